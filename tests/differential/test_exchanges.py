@@ -42,7 +42,7 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
         prepared = prepare(model.network)
         proving = Automorphisms(prepared, [])
         processes, layout = len(model.network.processes), prepared.layout
-        pinned = {processes + cell for cell in (*layout.clock_cells, *layout.channel_cells)}
+        pinned = {processes + slot for slot in (*layout.clock_slots, *layout.channel_slots)}
         slots = [slot for slot in range(processes + len(layout.initial)) if slot not in pinned]
         program = with_symmetry(lower(model.network, [])[0], model.network, [])
         for table in program.interchangeable:
@@ -52,7 +52,7 @@ def test_what_is_accepted_keeps_what_is_possible(kind: str) -> None:
                     reason = proving.objection(group)
                     accepted, refused = accepted + (reason is None), refused + (reason is not None)
                     for places in group.generators() if reason is None else ():
-                        given = proving.with_own_cells(group_element(group, places))
+                        given = proving.with_own_slots(group_element(group, places))
                         for _ in range(STATES):
                             state = random_state(prepared, proving.constants, random)
                             assert is_kept(prepared, [], state, given), (seed, group, state)

@@ -234,8 +234,8 @@ def _waited(model: PreparedNetwork, state: TimedState, duration: Fraction | None
 
 def _projected(alone: PreparedNetwork, state: TimedState) -> TimedState:
     """The state of the network alone: its processes, variables and clocks come first."""
-    processes, cells = len(alone.network.processes), len(alone.layout.initial)
-    discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:cells])
+    processes, slots = len(alone.network.processes), len(alone.layout.initial)
+    discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:slots])
     return TimedState(discrete, state.clocks[: alone.dimension - 1], state.time)
 
 

@@ -257,11 +257,11 @@ def test_meta_variables_are_back_at_their_initial_value_before_every_transition(
 def test_a_run_time_error_ends_the_search_with_the_path_to_it(kind: RuntimeErrorKind, update) -> None:
     network = NetworkBuilder()
     x, n = network.clock("x"), network.integer("n", 0, 3)
-    cells = network.declare("a", ArrayType(IntType(0, 5), IntType(0, 2)))
+    slots = network.declare("a", ArrayType(IntType(0, 5), IntType(0, 2)))
     process = network.process("P")
     a, b, c = process.location("A"), process.location("B"), process.location("C")
     process.edge(a, b, updates=[n.assign(1)])
-    process.edge(b, c, updates=[update(n, cells, x)])
+    process.edge(b, c, updates=[update(n, slots, x)])
     goal = c.reached.expression
     program, goals = lower(network.build(), [goal])
     for outcome in (reference.explore(network.build(), [goal]), zone.explore(program, goals)):

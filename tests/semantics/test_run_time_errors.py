@@ -218,7 +218,7 @@ def test_a_guard_is_evaluated_from_left_to_right_clocks_last(guard: str, answer:
 
 
 @pytest.mark.parametrize("stored", ["i - 1", "i + 4"])
-def test_a_value_outside_the_range_of_a_cell_is_an_error(stored: str) -> None:
+def test_a_value_outside_the_range_of_a_slot_is_an_error(stored: str) -> None:
     text = f"""
     int[0,3] a[2]; int[0,1] i = 0;
     process P() {{

@@ -21,7 +21,7 @@ _OPERANDS = {
     Opcode.STORE: 1,
     Opcode.INDEX: 3,
     Opcode.COPY: 1,
-    Opcode.EQUAL_CELLS: 1,
+    Opcode.EQUAL_SLOTS: 1,
     Opcode.JUMP: 1,
     Opcode.JUMP_IF_ZERO: 1,
     Opcode.JUMP_IF_NONZERO: 1,
@@ -31,7 +31,7 @@ _OPERANDS = {
 }
 _MEMORY = frozenset(
     {Opcode.LOAD, Opcode.LOAD_INDIRECT, Opcode.STORE, Opcode.STORE_INDIRECT}
-    | {Opcode.COPY, Opcode.EQUAL_CELLS, Opcode.RESET, Opcode.COPY_CLOCK, Opcode.ADVANCE_CLOCK, Opcode.FLOATING}
+    | {Opcode.COPY, Opcode.EQUAL_SLOTS, Opcode.RESET, Opcode.COPY_CLOCK, Opcode.ADVANCE_CLOCK, Opcode.FLOATING}
 )
 _BINARY = {Opcode[operator.name]: operator for operator in BinaryOperator if operator not in CONNECTIVES}
 
@@ -100,7 +100,7 @@ class Machine:
                 values = slots[source : source + operands[0]]
                 for i, value in enumerate(values):
                     self._store(target + i, value, position)
-            case Opcode.EQUAL_CELLS:
+            case Opcode.EQUAL_SLOTS:
                 right = stack.pop()
                 left = stack.pop()
                 stack.append(int(slots[left : left + operands[0]] == slots[right : right + operands[0]]))

@@ -1,8 +1,8 @@
 """The variables and channels that expressions touch, element by element where an index is a constant.
 
-A *cell* is a variable, and of an array the first index, where it does not depend on the state: ``sent[0]`` is a cell of
-``sent``, and so is all of ``sent`` where the index is not known. Two cells overlap if they are of the same variable and
-not two different elements of it.
+A *component* is a variable, and of an array the first index, where it does not depend on the state: ``sent[0]`` is a
+component of ``sent``, and so is all of ``sent`` where the index is not known. Two components overlap if they are of the
+same variable and not two different elements of it.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from tachk.model.expressions import (
 from tachk.model.remembered import by_part
 from tachk.model.traversal import children, denoted, walk, with_bodies
 
-Cell = tuple[Variable, int | None]
+Component = tuple[Variable, int | None]
 """A variable and the first index; None: any element of it, or the variable as a whole."""
 
 
 class ComponentSet:
-    """A set of cells that knows which cells overlap it."""
+    """A set of components that knows which components overlap it."""
 
-    def __init__(self, cells: Iterable[Cell] = ()) -> None:
+    def __init__(self, components: Iterable[Component] = ()) -> None:
         self._elements: dict[Variable, set[int | None]] = {}
-        self.add(cells)
+        self.add(components)
 
-    def add(self, cells: Iterable[Cell]) -> None:
-        for variable, element in cells:
+    def add(self, components: Iterable[Component]) -> None:
+        for variable, element in components:
             self._elements.setdefault(variable, set()).add(element)
 
-    def meets(self, cells: Iterable[Cell]) -> bool:
-        """True if one of the cells overlaps one of the set."""
-        return any(self._meets(variable, element) for variable, element in cells)
+    def meets(self, components: Iterable[Component]) -> bool:
+        """True if one of the components overlaps one of the set."""
+        return any(self._meets(variable, element) for variable, element in components)
 
     def _meets(self, variable: Variable, element: int | None) -> bool:
         own = self._elements.get(variable, ())
@@ -52,8 +52,8 @@ class ComponentSet:
         return sum(map(len, self._elements.values()))
 
 
-def places(place: Expression, known: Known) -> Iterator[Cell]:
-    """The cells of which an assignable expression, or a channel, may denote a part."""
+def places(place: Expression, known: Known) -> Iterator[Component]:
+    """The components of which an assignable expression, or a channel, may denote a part."""
     for one in denoted(place):
         match one:
             case Index(Reference(variable), index):
@@ -65,38 +65,38 @@ def places(place: Expression, known: Known) -> Iterator[Cell]:
                 yield from places(base, known)
 
 
-def mentioned_cells(expressions: Iterable[Expression], known: Known) -> tuple[set[int], set[Cell]]:
-    """The processes whose locations are tested and the cells that occur, functions included."""
+def mentioned_components(expressions: Iterable[Expression], known: Known) -> tuple[set[int], set[Component]]:
+    """The processes whose locations are tested and the components that occur, functions included."""
     processes: set[int] = set()
-    cells: set[Cell] = set()
+    components: set[Component] = set()
     for expression in expressions:
-        its_processes, its_cells = _mentioned(expression, known)
+        its_processes, its_components = _mentioned(expression, known)
         processes |= its_processes
-        cells |= its_cells
-    return processes, cells
+        components |= its_components
+    return processes, components
 
 
 @by_part
-def _mentioned(expression: Expression, known: Known) -> tuple[frozenset[int], frozenset[Cell]]:
+def _mentioned(expression: Expression, known: Known) -> tuple[frozenset[int], frozenset[Component]]:
     processes: set[int] = set()
-    cells: set[Cell] = set()
+    components: set[Component] = set()
     pending = with_bodies([expression])
     while pending:
         match pending.pop():
             case LocationTest(process):
                 processes.add(process)
             case Index(Reference(), index) as place:
-                cells.update(places(place, known))
+                components.update(places(place, known))
                 pending.append(index)
             case Reference(variable):
-                cells.add((variable, None))
+                components.add((variable, None))
             case node:
                 pending.extend(children(node))
-    return frozenset(processes), frozenset(cells)
+    return frozenset(processes), frozenset(components)
 
 
-def written_cells(expressions: Iterable[Expression], known: Known) -> set[Cell]:
-    """The cells that evaluating the expressions may change, functions included.
+def written_components(expressions: Iterable[Expression], known: Known) -> set[Component]:
+    """The components that evaluating the expressions may change, functions included.
 
     A variable passed for a reference parameter counts only if the function changes that parameter.
     """
@@ -104,8 +104,8 @@ def written_cells(expressions: Iterable[Expression], known: Known) -> set[Cell]:
 
 
 @by_part
-def _written(expression: Expression, known: Known) -> frozenset[Cell]:
-    written: set[Cell] = set()
+def _written(expression: Expression, known: Known) -> frozenset[Component]:
+    written: set[Component] = set()
     calls: list[Call] = []
     for outer in with_bodies([expression]):
         for node in walk(outer):

@@ -14,7 +14,6 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.model.cell_layout import cell_range
 from tachk.model.connectives import both, either, is_conjunction, sides
 from tachk.model.expressions import (
     BOOL,
@@ -31,6 +30,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ClockType
+from tachk.model.variable_layout import slot_range
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +209,7 @@ class _Conjuncts:
     def _instances(self, expression: Quantifier, positive: bool, condition: Expression | None, known: Known) -> None:
         if (expression.kind is QuantifierKind.FORALL) != positive or expression.kind is QuantifierKind.SUM:
             raise _disjunction_unsupported(expression.span)
-        low, high = cell_range(expression.variable.type)
+        low, high = slot_range(expression.variable.type)
         for value in range(low, high + 1):
             inner = known.with_bound(expression.variable, value)
             where = None if condition is None else fold(condition, inner)

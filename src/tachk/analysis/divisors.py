@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import gcd
 
 from tachk.analysis.fold import Known
-from tachk.analysis.intervals import ANYTHING, interval, possible_cells
+from tachk.analysis.intervals import ANYTHING, interval, possible_slots
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.expressions import Binary, Comma, Conditional, Expression, Field, Index, Reference, Unary
 
@@ -28,10 +28,10 @@ def divisor(expression: Expression, known: Known) -> int:
 def _divisor(expression: Expression, known: Known) -> int:
     match expression:
         case Reference() | Index() | Field():
-            cells = possible_cells(expression, known)
-            if not cells or any(variable not in known.values for variable, _ in cells):
+            slots = possible_slots(expression, known)
+            if not slots or any(variable not in known.values for variable, _ in slots):
                 return 1
-            return gcd(*(known.values[variable][cell] for variable, cell in cells))
+            return gcd(*(known.values[variable][slot] for variable, slot in slots))
         case Unary(UnaryOperator.MINUS, operand):
             return divisor(operand, known)
         case Conditional(_, then, otherwise):

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 from tachk.analysis.conditions import conjuncts
 from tachk.analysis.fold import Known, fold, fold_place, is_integer
-from tachk.analysis.interpreter import cells
+from tachk.analysis.interpreter import slots
 from tachk.analysis.intervals import IntervalDomain
 from tachk.base.operators import COMPARISONS, BinaryOperator
 from tachk.base.words import Direction
-from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import Binary, Constant, Expression, Reference
 from tachk.model.network import Edge, Location
 from tachk.model.traversal import written_variables
+from tachk.model.variable_layout import slot_range
 
 
 class _CanFailError(Exception):
@@ -40,7 +40,7 @@ def can_fail(expression: Expression, known: Known) -> bool:
 
 def _fails(expression: Expression, domain: FailureDomain) -> bool:
     try:
-        cells(fold_place(expression, domain.facts), domain)
+        slots(fold_place(expression, domain.facts), domain)
     except _CanFailError:
         domain.forget(written_variables([expression]))
         return True
@@ -86,7 +86,7 @@ def _assumed_fails(guard: Expression, domain: FailureDomain) -> bool:
                 operator = operator.mirrored
             case _:
                 continue
-        low, high = domain.narrow.get(variable, cell_range(variable.type))
+        low, high = domain.narrow.get(variable, slot_range(variable.type))
         match operator:
             case BinaryOperator.EQUAL:
                 low, high = max(low, value), min(high, value)

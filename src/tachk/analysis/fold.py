@@ -11,7 +11,6 @@ from dataclasses import field, replace
 from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator
 from tachk.base.records import dataclass
-from tachk.model.cell_layout import default_cells
 from tachk.model.connectives import negation
 from tachk.model.expressions import (
     BOOL,
@@ -39,7 +38,8 @@ from tachk.model.network import Network
 from tachk.model.remembered import MOST_RESULTS, by_network, by_part
 from tachk.model.substitution import changed, with_parts
 from tachk.model.traversal import process_expressions, walk, written_variables
-from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, cell_count, kinds_of_cells
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, kinds_of_slots, slot_count
+from tachk.model.variable_layout import default_values
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Known:
     """The values known before the model runs.
 
     Attributes:
-        values: the cells of variables that nothing writes.
+        values: the slots of variables that nothing writes.
         bound: the values of select, quantifier and iteration variables that are being expanded.
     """
 
@@ -63,7 +63,7 @@ def known_values(network: Network, predicates: Sequence[Expression]) -> Known:
     constants, written = _constants(network), written_variables(predicates)
     if not written:
         return constants
-    return Known({v: cells for v, cells in constants.values.items() if v not in written})
+    return Known({v: slots for v, slots in constants.values.items() if v not in written})
 
 
 @by_network
@@ -72,9 +72,9 @@ def _constants(network: Network) -> Known:
     return _shared(
         Known(
             {
-                v: v.initial or default_cells(v.type)
+                v: v.initial or default_values(v.type)
                 for v in network.all_variables()
-                if v not in written and all(map(is_integer, kinds_of_cells(v.type)))
+                if v not in written and all(map(is_integer, kinds_of_slots(v.type)))
             }
         )
     )
@@ -105,7 +105,7 @@ def drawn_values(network: Network) -> Iterator[Expression]:
 
 
 def is_integer(type_: Type) -> bool:
-    """True if the type is a single cell that holds a number."""
+    """True if the type is a single slot that holds a number."""
     return isinstance(type_, IntType | BoolType | ScalarType)
 
 
@@ -161,21 +161,21 @@ def cannot_fail(expression: Expression) -> bool:
     return True
 
 
-def known_cell(place: Expression) -> tuple[Variable, int] | None:
-    """The variable and cell a place denotes, if that does not depend on the state."""
+def known_slot(place: Expression) -> tuple[Variable, int] | None:
+    """The variable and slot a place denotes, if that does not depend on the state."""
     match place:
         case Reference(variable):
             return None if variable.reference else (variable, 0)
         case Field(base, name):
-            inner = known_cell(base)
+            inner = known_slot(base)
             if inner is None or not isinstance(base.type, RecordType):
                 return None
             return inner[0], inner[1] + base.type.offset(name)
         case Index(base, Constant(value)):
-            inner = known_cell(base)
+            inner = known_slot(base)
             if inner is None or not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
                 return None
-            return inner[0], inner[1] + (value - base.type.low) * cell_count(base.type.element)
+            return inner[0], inner[1] + (value - base.type.low) * slot_count(base.type.element)
         case _:
             pass
     return None
@@ -259,9 +259,9 @@ def _fold_read(place: Expression, known: Known) -> Expression:
         return place
     if isinstance(place, Reference) and place.variable.kind is VariableKind.BOUND and place.variable in known.bound:
         return Constant(known.bound[place.variable], place.type, place.span)
-    cell = known_cell(place)
-    if cell is not None and cell[0] in known.values:
-        return Constant(known.values[cell[0]][cell[1]], place.type, place.span)
+    slot = known_slot(place)
+    if slot is not None and slot[0] in known.values:
+        return Constant(known.values[slot[0]][slot[1]], place.type, place.span)
     return place
 
 

@@ -46,14 +46,14 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.traversal import depends_on_clocks
-from tachk.model.types import ArrayType, BoolType, ClockType, RecordType, ScalarLike, Type, cell_count, is_aggregate
+from tachk.model.types import ArrayType, BoolType, ClockType, RecordType, ScalarLike, Type, is_aggregate, slot_count
 
 N = TypeVar("N")
 """A number."""
 T = TypeVar("T")
 """A truth value."""
 P = TypeVar("P")
-"""A place: where the cells of a value are."""
+"""A place: where the slots of a value are."""
 _A = TypeVar("_A")
 _EQUALITIES = BinaryOperator.EQUAL, BinaryOperator.NOT_EQUAL
 
@@ -115,13 +115,13 @@ class Domain(Protocol[N, T, P]):
 
     def choose_place(self, test: T, then: P, otherwise: P) -> P: ...
 
-    def new_place(self, type_: Type, cells: tuple[N, ...] | None, span: Span | None) -> P:
-        """A new place that holds cells, checked as `write` does if there is a span, or the default of its type."""
+    def new_place(self, type_: Type, slots: tuple[N, ...] | None, span: Span | None) -> P:
+        """A new place that holds slots, checked as `write` does if there is a span, or the default of its type."""
 
     def read(self, place: P, count: int) -> tuple[N, ...]: ...
 
-    def write(self, place: P, cells: tuple[N, ...], span: Span) -> tuple[N, ...]:
-        """Stores cells, and gives what is stored. A value out of the range of its cell is a run-time error."""
+    def write(self, place: P, slots: tuple[N, ...], span: Span) -> tuple[N, ...]:
+        """Stores slots, and gives what is stored. A value out of the range of its slot is a run-time error."""
 
     def set_clock(self, target: P, source: P | None, offset: N, span: Span) -> None:
         """Sets a clock to the value of another, or to 0, and so much more. Less than 0 is a run-time error."""
@@ -138,9 +138,9 @@ class Domain(Protocol[N, T, P]):
         """Calls a function without statements."""
 
     def call(self, function: Function, places: Sequence[P]) -> tuple[N, ...]:
-        """Executes the body of a function, by `run`, with places for its parameters; the cells of its result."""
+        """Executes the body of a function, by `run`, with places for its parameters; the slots of its result."""
 
-    def give_back(self, cells: tuple[N, ...]) -> None:
+    def give_back(self, slots: tuple[N, ...]) -> None:
         """Ends the function with a result."""
 
     def sequence(self, parts: Iterable[Callable[[], T]]) -> T:
@@ -175,7 +175,7 @@ def number(expression: Expression, domain: Domain[N, T, P]) -> N:
         case Quantifier(QuantifierKind.SUM, variable, body):
             return domain.total(variable, [number(body, domain) for _ in domain.each(variable)])
         case Assign() | Call() | Comma():
-            return cells(expression, domain)[0]
+            return slots(expression, domain)[0]
         case Increment(target, delta, prefix, _, span):
             where = place(target, domain)
             old = domain.read(where, 1)[0]
@@ -207,7 +207,7 @@ def truth(expression: Expression, domain: Domain[N, T, P]) -> T:
             return _quantified(expression, domain)
         case Comma(items) if isinstance(expression.type, BoolType):
             for item in items[:-1]:
-                cells(item, domain)
+                slots(item, domain)
             return truth(items[-1], domain)
         case LocationTest(process, location):
             return domain.is_at(process, location)
@@ -259,7 +259,7 @@ def _compared(expression: Binary, domain: Domain[N, T, P]) -> T:
         other = _side(right, domain)
         return domain.compare_clocks(operator, one, other)
     if is_aggregate(left.type):
-        pairs = zip(cells(left, domain), cells(right, domain), strict=True)
+        pairs = zip(slots(left, domain), slots(right, domain), strict=True)
         equal = values.all_of([values.compare(BinaryOperator.EQUAL, a, b) for a, b in pairs])
     elif isinstance(left.type, BoolType) and isinstance(right.type, BoolType) and operator in _EQUALITIES:
         is_left = truth(left, domain)
@@ -279,28 +279,28 @@ def _side(side: Expression, domain: Domain[N, T, P]) -> Side[P, N]:
     return place(side, domain), None, None
 
 
-def cells(expression: Expression, domain: Domain[N, T, P]) -> tuple[N, ...]:
-    """The cells of the value of an expression of any type."""
+def slots(expression: Expression, domain: Domain[N, T, P]) -> tuple[N, ...]:
+    """The slots of the value of an expression of any type."""
     match expression:
         case Assign():
             return _assigned(expression, domain)
         case Call():
             return _called(expression, domain)
         case Aggregate(items):
-            return tuple(cell for item in items for cell in cells(item, domain))
+            return tuple(slot for item in items for slot in slots(item, domain))
         case Comma(items):
-            return [cells(item, domain) for item in items][-1]
+            return [slots(item, domain) for item in items][-1]
         case _ if isinstance(expression.type, ScalarLike):
             return (number(expression, domain),)
         case Conditional():
-            return _chosen(expression, lambda side: cells(side, domain), partial(_choose_cells, domain), domain)
+            return _chosen(expression, lambda side: slots(side, domain), partial(_choose_slots, domain), domain)
         case Reference() | Index() | Field():
-            return domain.read(place(expression, domain), cell_count(expression.type))
+            return domain.read(place(expression, domain), slot_count(expression.type))
         case _:
             raise TypeError(f"{type(expression).__name__} has no aggregate value")
 
 
-def _choose_cells(domain: Domain[N, T, P], test: T, then: tuple[N, ...], otherwise: tuple[N, ...]) -> tuple[N, ...]:
+def _choose_slots(domain: Domain[N, T, P], test: T, then: tuple[N, ...], otherwise: tuple[N, ...]) -> tuple[N, ...]:
     return tuple(domain.values.choose(test, one, other) for one, other in zip(then, otherwise, strict=True))
 
 
@@ -334,7 +334,7 @@ def place(expression: Expression, domain: Domain[N, T, P]) -> P:
         case Conditional():
             return _chosen(expression, lambda side: place(side, domain), domain.choose_place, domain)
         case _:
-            return domain.new_place(expression.type, cells(expression, domain), None)
+            return domain.new_place(expression.type, slots(expression, domain), None)
 
 
 def _assigned(expression: Assign, domain: Domain[N, T, P]) -> tuple[N, ...]:
@@ -350,7 +350,7 @@ def _assigned(expression: Assign, domain: Domain[N, T, P]) -> tuple[N, ...]:
         domain.set_clock(where, source, offset, span)
         return (offset,)
     if operator is None:
-        return domain.write(where, cells(value, domain), span)
+        return domain.write(where, slots(value, domain), span)
     old = domain.read(where, 1)[0]
     return domain.write(where, (domain.operation(operator, old, number(value, domain), span),), span)
 
@@ -358,11 +358,11 @@ def _assigned(expression: Assign, domain: Domain[N, T, P]) -> tuple[N, ...]:
 def _called(expression: Call, domain: Domain[N, T, P]) -> tuple[N, ...]:
     function, arguments = expression.function, expression.arguments
     if function.operation is not None:
-        return domain.operate(expression, lambda: [cells(argument, domain) for argument in arguments])
+        return domain.operate(expression, lambda: [slots(argument, domain) for argument in arguments])
     places = [
         place(argument, domain)
         if parameter.reference
-        else domain.new_place(parameter.type, cells(argument, domain), argument.span)
+        else domain.new_place(parameter.type, slots(argument, domain), argument.span)
         for parameter, argument in zip(function.parameters, arguments, strict=True)
     ]
     return domain.call(function, places)
@@ -375,9 +375,9 @@ def run(statement: Statement, result: Type, domain: Domain[N, T, P]) -> T:
     """Executes a statement of a function with this type of result; whether control goes on behind it."""
     match statement:
         case Evaluate(expression):
-            cells(expression, domain)
+            slots(expression, domain)
         case Declare(variable, initial):
-            given = None if initial is None else cells(initial, domain)
+            given = None if initial is None else slots(initial, domain)
             domain.enter(variable, domain.new_place(variable.type, given, (initial or variable).span))
         case Block(statements):
             return domain.sequence([partial(run, each, result, domain) for each in statements])
@@ -390,7 +390,7 @@ def run(statement: Statement, result: Type, domain: Domain[N, T, P]) -> T:
         case Iterate(variable, body):
             return domain.sequence(partial(run, body, result, domain) for _ in domain.each(variable))
         case Return(value):
-            given = () if value is None else cells(value, domain)
+            given = () if value is None else slots(value, domain)
             if value is not None:
                 given = domain.read(domain.new_place(result, given, value.span), len(given))
             domain.give_back(given)

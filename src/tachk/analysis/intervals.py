@@ -19,21 +19,21 @@ from tachk.analysis.interpreter import Domain, Side, ValueOperations, number, pl
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import Call, Constant, Expression, Function, Variable
 from tachk.model.remembered import by_part
 from tachk.model.traversal import statement_expressions, written_variables
-from tachk.model.types import ArrayType, RecordType, ScalarLike, Type, VoidType, cell_count
+from tachk.model.types import ArrayType, RecordType, ScalarLike, Type, VoidType, slot_count
+from tachk.model.variable_layout import slot_range
 
 Interval = tuple[int, int]
-Cells = tuple[Interval, ...]
+Slots = tuple[Interval, ...]
 
 ANYTHING: Interval = (CONSTANT_LOW, CONSTANT_HIGH)
 _UNKNOWN: Interval = (0, 1)
 """A condition that may be true or false."""
 _TRUE: Interval = (1, 1)
 _FALSE: Interval = (0, 0)
-_MAXIMAL_CELLS = 65536
+_MAXIMAL_SLOTS = 65536
 _LONG = 2**14
 """Repetitions beyond which a loop might meet the limit on steps."""
 _A = TypeVar("_A")
@@ -46,22 +46,22 @@ def interval(expression: Expression, known: Known) -> Interval:
     return number(expression, IntervalDomain(known))
 
 
-def possible_cells(expression: Expression, known: Known) -> tuple[tuple[Variable, int], ...] | None:
-    """The cells (variable, number of the cell in it) a place may denote; None where that is not known."""
-    cells: list[tuple[Variable, int]] = []
+def possible_slots(expression: Expression, known: Known) -> tuple[tuple[Variable, int], ...] | None:
+    """The slots (variable, number of the slot in it) a place may denote; None where that is not known."""
+    slots: list[tuple[Variable, int]] = []
     for part in place(expression, IntervalDomain(known)):
-        if part.variable is None or part.size + len(cells) > _MAXIMAL_CELLS:
+        if part.variable is None or part.size + len(slots) > _MAXIMAL_SLOTS:
             return None
-        cells += [(part.variable, cell) for cell in part.cells()]
-    return tuple(cells)
+        slots += [(part.variable, slot) for slot in part.slots()]
+    return tuple(slots)
 
 
 class PossiblePart(NamedTuple):
     """A place at which a value may be: in a variable, or (None) at an unknown place.
 
     Attributes:
-        first: the number of its first cell in the variable.
-        steps: for each index around it the number of elements it may choose, and the number of cells of each.
+        first: the number of its first slot in the variable.
+        steps: for each index around it the number of elements it may choose, and the number of slots of each.
         value: the contents of a place that nothing was written to since.
     """
 
@@ -69,13 +69,13 @@ class PossiblePart(NamedTuple):
     type: Type
     first: int = 0
     steps: tuple[tuple[int, int], ...] = ()
-    value: Cells | None = None
+    value: Slots | None = None
 
     @property
     def size(self) -> int:
         return prod(count for count, _ in self.steps)
 
-    def cells(self) -> Iterator[int]:
+    def slots(self) -> Iterator[int]:
         for chosen in product(*(range(0, count * stride, stride) for count, stride in self.steps)):
             yield self.first + sum(chosen)
 
@@ -113,7 +113,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
     facts: Known
     narrow: dict[Variable, Interval] = field(default_factory=dict)
     times: int = 1
-    result: Cells | None = None
+    result: Slots | None = None
 
     def can_fail(self, fails: bool = True) -> None:
         """Learns whether a run-time error is possible here, which leaves the values of the others as they are."""
@@ -141,7 +141,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
 
     def each(self, variable: Variable) -> Iterator[None]:
         """All values at once, until nothing more is known that a repetition may change."""
-        outer, (low, high) = self.times, cell_range(variable.type)
+        outer, (low, high) = self.times, slot_range(variable.type)
         self.times *= high - low + 1
         self.can_fail(self.times > _LONG)
         yield from self._repeated()
@@ -155,7 +155,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
                 return
 
     def total(self, variable: Variable, summands: Sequence[Interval]) -> Interval:
-        low, high = cell_range(variable.type)
+        low, high = slot_range(variable.type)
         inner = reduce(_hull, summands)
         return _fit((high - low + 1) * inner[0], (high - low + 1) * inner[1])
 
@@ -175,7 +175,7 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
     def element(self, base: PossiblePlace, array: ArrayType, index: Interval, span: Span) -> PossiblePlace:
         last = array.low + array.size - 1
         self.can_fail(not _within(index, (array.low, last)))
-        first, stride = max(index[0], array.low), cell_count(array.element)
+        first, stride = max(index[0], array.low), slot_count(array.element)
         count, offset = max(min(index[1], last) - first + 1, 0), (first - array.low) * stride
         step = () if count == 1 else ((count, stride),)
         return tuple(
@@ -186,14 +186,14 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
         type_, offset = dict(record.fields)[name], record.offset(name)
         return tuple(PossiblePart(part.variable, type_, part.first + offset, part.steps) for part in base)
 
-    def new_place(self, type_: Type, cells: Cells | None, span: Span | None) -> PossiblePlace:
-        value = cells if cells is None or span is None else self._stored(cells, type_)
+    def new_place(self, type_: Type, slots: Slots | None, span: Span | None) -> PossiblePlace:
+        value = slots if slots is None or span is None else self._stored(slots, type_)
         return (PossiblePart(None, type_, value=value),)
 
-    def read(self, place: PossiblePlace, count: int) -> Cells:
+    def read(self, place: PossiblePlace, count: int) -> Slots:
         return reduce(_hulls, map(self._read, place))
 
-    def _read(self, part: PossiblePart) -> Cells:
+    def _read(self, part: PossiblePart) -> Slots:
         variable = part.variable
         if part.value is not None:
             return part.value
@@ -204,24 +204,24 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
                 return (self.narrow[variable],)
             if variable in self.facts.bound:
                 return ((self.facts.bound[variable],) * 2,)
-        if variable is not None and variable in self.facts.values and 0 < part.size <= _MAXIMAL_CELLS:
+        if variable is not None and variable in self.facts.values and 0 < part.size <= _MAXIMAL_SLOTS:
             values = self.facts.values[variable]
-            found = [values[cell] for cell in part.cells()]
+            found = [values[slot] for slot in part.slots()]
             return ((min(found), max(found)),)
-        return (cell_range(part.type),)
+        return (slot_range(part.type),)
 
-    def write(self, place: PossiblePlace, cells: Cells, span: Span) -> Cells:
-        stored = [self._stored(cells, part.type) for part in place]
+    def write(self, place: PossiblePlace, slots: Slots, span: Span) -> Slots:
+        stored = [self._stored(slots, part.type) for part in place]
         self.forget([part.variable for part in place])
         return reduce(_hulls, stored)
 
-    def _stored(self, cells: Cells, type_: Type) -> Cells:
-        """The cells after being stored in a value of a type; a value out of range is a run-time error."""
+    def _stored(self, slots: Slots, type_: Type) -> Slots:
+        """The slots after being stored in a value of a type; a value out of range is a run-time error."""
         ranges = _declared(type_)
-        if cells == ranges:
-            return cells
-        self.can_fail(not all(map(_within, cells, ranges)))
-        return tuple(map(_common, cells, ranges))
+        if slots == ranges:
+            return slots
+        self.can_fail(not all(map(_within, slots, ranges)))
+        return tuple(map(_common, slots, ranges))
 
     def forget(self, written: Iterable[Variable | None]) -> None:
         """Something was written to variables, or (None) to one that is not known."""
@@ -245,13 +245,13 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
         if value is not None and isinstance(variable.type, ScalarLike):
             self.narrow[variable] = value[0]
 
-    def operate(self, call: Call, arguments: Callable[[], Sequence[Cells]]) -> Cells:
+    def operate(self, call: Call, arguments: Callable[[], Sequence[Slots]]) -> Slots:
         arguments()
         assert call.function.operation is not None
         self.can_fail(not call.function.operation.total)
         return _declared(call.function.result)
 
-    def call(self, function: Function, places: Sequence[PossiblePlace]) -> Cells:
+    def call(self, function: Function, places: Sequence[PossiblePlace]) -> Slots:
         result = _called(function, type(self), self.facts, tuple(each[0].value for each in places), self.times)
         if self.narrow:
             written = written_variables(statement_expressions(function.body))
@@ -261,8 +261,8 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
                     self.forget(part.variable for part in each)
         return result
 
-    def give_back(self, cells: Cells) -> None:
-        self.result = cells if self.result is None else _hulls(self.result, cells)
+    def give_back(self, slots: Slots) -> None:
+        self.result = slots if self.result is None else _hulls(self.result, slots)
 
     def sequence(self, parts: Iterable[Callable[[], Interval]]) -> Interval:
         for part in parts:
@@ -292,8 +292,8 @@ class IntervalDomain(Domain[Interval, Interval, PossiblePlace]):
 
 @by_part
 def _called(
-    function: Function, kind: type[IntervalDomain], known: Known, given: tuple[Cells | None, ...], times: int
-) -> Cells:
+    function: Function, kind: type[IntervalDomain], known: Known, given: tuple[Slots | None, ...], times: int
+) -> Slots:
     """The result of a function for arguments in intervals."""
     domain = kind(known, times=times)
     for parameter, value in zip(function.parameters, given, strict=True):
@@ -303,17 +303,17 @@ def _called(
     return _declared(function.result) if domain.result is None else domain.result
 
 
-def _declared(type_: Type) -> Cells:
-    """The ranges of the cells of a type."""
+def _declared(type_: Type) -> Slots:
+    """The ranges of the slots of a type."""
     match type_:
         case ArrayType(element):
             return _declared(element) * type_.size
         case RecordType(_, fields):
-            return tuple(cell for _, inner in fields for cell in _declared(inner))
+            return tuple(slot for _, inner in fields for slot in _declared(inner))
         case VoidType():
             return ()
         case _:
-            return (cell_range(type_),)
+            return (slot_range(type_),)
 
 
 def arithmetic(operator: BinaryOperator, left: Interval, right: Interval) -> Interval:
@@ -383,7 +383,7 @@ def _fit(low: int, high: int) -> Interval:
     return (low, high) if low >= CONSTANT_LOW and high <= CONSTANT_HIGH else ANYTHING
 
 
-def _hulls(one: Cells, other: Cells) -> Cells:
+def _hulls(one: Slots, other: Slots) -> Slots:
     return tuple(map(_hull, one, other))
 
 

@@ -15,7 +15,6 @@ from tachk.base.words import Direction, QueryKind
 from tachk.meaning.constraints import Conjunction, Disjunction, conditional_constraints, disjunctive
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, bound_value, is_strict
 from tachk.meaning.discrete import PreparedNetwork, bind_selects, channel_named, prepare
-from tachk.model.cell_layout import CellLayout, begun_clocks
 from tachk.model.connectives import both, conjuncts
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.expressions import (
@@ -38,7 +37,8 @@ from tachk.model.quantity import bytes_
 from tachk.model.query import Query
 from tachk.model.run import Participant
 from tachk.model.traversal import depends_on_clocks, process_expressions, walk, written_variables
-from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarLike, Type, bounds, cell_count
+from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarLike, Type, bounds, slot_count
+from tachk.model.variable_layout import VariableLayout, begun_clocks
 
 __all__ = [
     "BOOL",
@@ -47,7 +47,6 @@ __all__ = [
     "ArrayType",
     "Binary",
     "BinaryOperator",
-    "CellLayout",
     "ChannelType",
     "Conjunction",
     "Constant",
@@ -78,13 +77,13 @@ __all__ = [
     "UnaryOperator",
     "UnsupportedError",
     "Variable",
+    "VariableLayout",
     "begun_clocks",
     "bind_selects",
     "both",
     "bound_value",
     "bounds",
     "bytes_",
-    "cell_count",
     "channel_named",
     "conditional_constraints",
     "conjuncts",
@@ -96,6 +95,7 @@ __all__ = [
     "is_strict",
     "prepare",
     "process_expressions",
+    "slot_count",
     "unhurried",
     "walk",
     "write_whole",

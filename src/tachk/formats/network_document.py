@@ -172,11 +172,11 @@ def _size(index: IntType) -> ast.Expression | ast.TypeExpression:
     return ast.IntegerLiteral(AT, index.high + 1) if index.low == 0 else type_node(index)
 
 
-def _initialiser(type_: Type, cells: list[int]) -> ast.Expression:
-    """The first cells as a value of the type; they are taken away."""
+def _initialiser(type_: Type, slots: list[int]) -> ast.Expression:
+    """The first slots as a value of the type; they are taken away."""
     if isinstance(type_, ArrayType):
-        return ast.InitialiserList(AT, tuple((None, _initialiser(type_.element, cells)) for _ in range(type_.size)))
-    value = cells.pop(0)
+        return ast.InitialiserList(AT, tuple((None, _initialiser(type_.element, slots)) for _ in range(type_.size)))
+    value = slots.pop(0)
     if isinstance(element_type(type_), BoolType):
         return ast.BooleanLiteral(AT, bool(value))
     positive = ast.IntegerLiteral(AT, abs(value))

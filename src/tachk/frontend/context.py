@@ -9,8 +9,7 @@ from tachk.base.records import dataclass
 from tachk.base.span import Span
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.open_constants import OpenConstants
-from tachk.model.cell_layout import CellLayout, cell_bounds
-from tachk.model.evaluate import Environment, Place, StoredCells, evaluate_cells
+from tachk.model.evaluate import Environment, Place, StoredSlots, evaluate_slots
 from tachk.model.expressions import (
     Assign,
     Call,
@@ -26,9 +25,10 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.traversal import called_functions, roots, statement_expressions, walk
-from tachk.model.types import Type, cell_count, clock_count, leaves
+from tachk.model.types import Type, clock_count, leaves, slot_count
+from tachk.model.variable_layout import VariableLayout, slot_bounds
 
-_NO_CELLS = CellLayout({}, (), (), (), (), (), (), (), ())
+_NO_SLOTS = VariableLayout({}, (), (), (), (), (), (), (), ())
 _INSIDE = (VariableKind.FRAME, VariableKind.BOUND)
 
 
@@ -51,12 +51,12 @@ class Budget:
 
     Attributes:
         instances: of quantifiers that are written out.
-        cells: of variables.
+        slots: of variables.
         clocks: the engine has numbers for 60,000, of which observers use some.
     """
 
     instances: int = 2**16
-    cells: int = 2**22
+    slots: int = 2**22
     clocks: int = 50_000
 
 
@@ -101,13 +101,13 @@ class Context:
 
     def allow_variable(self, type_: Type, span: Span) -> bool:
         """True if a variable of that type may be declared; reports if it may not."""
-        self.budget.cells -= cell_count(type_)
+        self.budget.slots -= slot_count(type_)
         self.budget.clocks -= clock_count(type_)
-        if self.budget.cells < 0:
+        if self.budget.slots < 0:
             self.error("E0606", span, "the variables of this model are too large", "use smaller arrays")
         elif self.budget.clocks < 0:
             self.error("E0606", span, "this model has more than 50000 clocks", "declare fewer, or run fewer processes")
-        return self.budget.cells >= 0 and self.budget.clocks >= 0
+        return self.budget.slots >= 0 and self.budget.clocks >= 0
 
     # ---- effects ----------------------------------------------------------------------------------------------------
 
@@ -165,7 +165,7 @@ class Context:
 
     # ---- constant evaluation ----------------------------------------------------------------------------------------
 
-    def constant_cells(self, expression: Expression, what: str) -> tuple[int, ...] | None:
+    def constant_slots(self, expression: Expression, what: str) -> tuple[int, ...] | None:
         """The value of an expression that must be known before the model runs; reports why it is not.
 
         Args:
@@ -187,13 +187,13 @@ class Context:
         if unknown:
             self._not_constant(expression, unknown, what)
             return None
-        environment = Environment(_NO_CELLS, [])
+        environment = Environment(_NO_SLOTS, [])
         self.open_constants.note(touched.reads, expression.span)
         for variable in touched.reads & self.constants:
-            ranges = [cell_bounds(leaf) for _, leaf in leaves(variable.type)]
-            environment.frame[variable] = Place(StoredCells(list(variable.initial), ranges), 0)
+            ranges = [slot_bounds(leaf) for _, leaf in leaves(variable.type)]
+            environment.frame[variable] = Place(StoredSlots(list(variable.initial), ranges), 0)
         try:
-            return evaluate_cells(expression, environment)
+            return evaluate_slots(expression, environment)
         except EvaluationFault as fault:
             code = "E0750" if fault.kind is RuntimeErrorKind.NOT_FINITE else "E0602"
             self.error(code, fault.span, f"{what} cannot be computed: {FAULT_TEXTS[fault.kind]}")

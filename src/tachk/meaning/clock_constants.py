@@ -8,12 +8,12 @@ from itertools import product
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import Constraint, bound_value, raw_bound
-from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.clock_sums import clock_assignments, clock_sum
 from tachk.model.expressions import Binary, Conditional, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.network import Network
 from tachk.model.traversal import process_expressions, roots, walk
-from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds, cell_count
+from tachk.model.types import BoolType, ClockType, IntType, ScalarType, bounds, slot_count
+from tachk.model.variable_layout import VariableLayout, variable_layout
 
 Interval = tuple[int, int]
 DIAGONAL_VALUES = 1000
@@ -39,8 +39,8 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
     Raises ValueError if the bound of a difference constraint has more than `DIAGONAL_VALUES` values, or copies make too
     many of them count.
     """
-    layout = cell_layout(network)
-    maximum = [0] * (len(layout.clock_cells) + 1)
+    layout = variable_layout(network)
+    maximum = [0] * (len(layout.clock_slots) + 1)
     diagonals: set[Constraint] = set()
     compared: set[int] = set()
     for condition in [*_conditions(network), *predicates]:
@@ -63,7 +63,7 @@ def clock_constants(network: Network, predicates: Sequence[Expression]) -> Clock
     return ClockConstants(tuple(maximum), tuple(sorted(diagonals)), frozenset(compared))
 
 
-def _values(network: Network, layout: CellLayout) -> list[int]:
+def _values(network: Network, layout: VariableLayout) -> list[int]:
     """The largest number that each clock may begin with or be set to; entry 0 is 0."""
     values = [0, *layout.starts]
     for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):
@@ -75,11 +75,11 @@ def _values(network: Network, layout: CellLayout) -> list[int]:
     return values
 
 
-def _denoted(place: Expression, layout: CellLayout) -> frozenset[int]:
+def _denoted(place: Expression, layout: VariableLayout) -> frozenset[int]:
     """The clocks that a place may mean."""
     variables = tuple(roots(place))
     if any(variable not in layout.first for variable in variables):  # passed by reference
-        return frozenset(range(1, len(layout.clock_cells) + 1))
+        return frozenset(range(1, len(layout.clock_slots) + 1))
     return frozenset(n for variable in variables for n in _numbers(Reference(variable), layout))
 
 
@@ -94,7 +94,7 @@ class Copies:
 
 def clock_copies(network: Network) -> list[Copies]:
     """The assignments of clocks to clocks. Offsets are not negative: that is a run-time error."""
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     found = []
     for assignment in clock_assignments(e for process in network.processes for e in process_expressions(process)):
         whole = clock_sum(assignment.value)
@@ -138,7 +138,7 @@ def _copy_constants(
         changed = before != (sum(maximum), len(diagonals), len(compared))
 
 
-def _differences(comparison: Binary, low: int, high: int, layout: CellLayout) -> Iterator[Constraint]:
+def _differences(comparison: Binary, low: int, high: int, layout: VariableLayout) -> Iterator[Constraint]:
     """A comparison of two clocks, as a constraint that splits the valuations the way the comparison does."""
     if high - low >= DIAGONAL_VALUES:
         raise ValueError(f"{comparison.span}: a difference of clocks is compared with too many values")
@@ -206,12 +206,12 @@ def _clocks(side: Expression) -> list[Expression]:
     return [side.left, side.right] if isinstance(side, Binary) else [side]
 
 
-def _numbers(clock: Expression, layout: CellLayout) -> Iterator[int]:
+def _numbers(clock: Expression, layout: VariableLayout) -> Iterator[int]:
     """The clocks that an expression of clock type can denote: those of its variable."""
     variable = _variable(clock)
     first = layout.first[variable]
-    cells = range(first, first + cell_count(variable.type))
-    return (number for number, cell in enumerate(layout.clock_cells, start=1) if cell in cells)
+    slots = range(first, first + slot_count(variable.type))
+    return (number for number, slot in enumerate(layout.clock_slots, start=1) if slot in slots)
 
 
 def _variable(place: Expression) -> Variable:

@@ -18,7 +18,6 @@ from tachk.base.records import dataclass
 from tachk.base.words import Direction
 from tachk.meaning.dbm import ClockValues
 from tachk.meaning.memory import Memory, by_state
-from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.evaluate import Environment, channel_number, clock_number, evaluate, execute
 from tachk.model.expressions import Binary, Constant, Expression, Field, Index, Reference, Unary, Variable
 from tachk.model.fault import EvaluationFault
@@ -26,7 +25,8 @@ from tachk.model.network import Edge, Location, Network
 from tachk.model.run import DiscreteState, Participant, Transition
 from tachk.model.selections import check_selections
 from tachk.model.traversal import children, process_expressions, written_variables
-from tachk.model.types import ChannelType, bounds, cell_count
+from tachk.model.types import ChannelType, bounds, slot_count
+from tachk.model.variable_layout import VariableLayout, variable_layout
 
 Priority = tuple[int, int]
 """Channel priority, then process priority."""
@@ -42,7 +42,7 @@ class PreparedNetwork:
     """
 
     network: Network
-    layout: CellLayout
+    layout: VariableLayout
     channels: tuple[tuple[ChannelType, int], ...]
     most_cases: int = 10_000_000
 
@@ -70,7 +70,7 @@ class PreparedNetwork:
     @property
     def dimension(self) -> int:
         """The number of clocks, the reference clock included."""
-        return len(self.layout.clock_cells) + 1
+        return len(self.layout.clock_slots) + 1
 
     def edge(self, participant: Participant) -> Edge:
         return self.network.processes[participant.process].edges[participant.edge]
@@ -93,19 +93,19 @@ def prepare(network: Network) -> PreparedNetwork:
 
 
 def _prepared(network: Network) -> PreparedNetwork:
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     channels = []
     for variable in network.all_variables():
         first = layout.first[variable]
-        for cell, type_ in enumerate(layout.types[first : first + cell_count(variable.type)]):
+        for slot, type_ in enumerate(layout.types[first : first + slot_count(variable.type)]):
             if isinstance(type_, ChannelType):
                 given = variable.priorities
-                channels.append((type_, given[cell] if given else network.default_priority))
+                channels.append((type_, given[slot] if given else network.default_priority))
     return PreparedNetwork(network, layout, tuple(channels))
 
 
 def _fixed_channels(
-    network: Network, layout: CellLayout, instances: Iterable[Iterable[Iterable[Participant]]]
+    network: Network, layout: VariableLayout, instances: Iterable[Iterable[Iterable[Participant]]]
 ) -> dict[Participant, int]:
     scratch = Environment(layout, list(layout.initial), tuple(process.initial for process in network.processes))
     written = written_variables([e for process in network.processes for e in process_expressions(process)])
@@ -232,7 +232,7 @@ def _may_denote(model: PreparedNetwork, place: Expression, channel: int) -> bool
             return _may_denote(model, base, channel)
         case Reference(variable):
             first = model.layout.first[variable]
-            return first <= model.layout.channel_cells[channel] < first + cell_count(variable.type)
+            return first <= model.layout.channel_slots[channel] < first + slot_count(variable.type)
         case _:
             return True
 
@@ -331,7 +331,7 @@ def clocks_after(clocks: Sequence[Fraction], resets: ClockValues) -> tuple[Fract
 
 
 def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> dict[int, int]:
-    """The values of meta variables, by cell, after the updates of a transition: the messages between its processes.
+    """The values of meta variables, by slot, after the updates of a transition: the messages between its processes.
 
     Raises EvaluationFault.
     """
@@ -339,7 +339,7 @@ def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Tra
     for participant in transition.participants:
         bind_selects(model, participant, scratch)
         execute(model.edge(participant).updates, scratch)
-    return {cell: scratch.values[cell] for cell, meta in enumerate(model.layout.meta) if meta}
+    return {slot: scratch.values[slot] for slot, meta in enumerate(model.layout.meta) if meta}
 
 
 @by_state

@@ -37,7 +37,7 @@ from tachk.model.run import Participant, Transition
 
 T = TypeVar("T")
 States = NDArray[np.signedinteger]
-"""Discrete states as rows: locations, then cells. What is behind these has no meaning."""
+"""Discrete states as rows: locations, then slots. What is behind these has no meaning."""
 Numbers = NDArray[np.int64]
 Joint = tuple[Numbers, tuple[Participant, ...], Disjunction, int | None]
 """Rows, who acts together in them, the clock constraints of their guards, and the channel."""
@@ -45,7 +45,7 @@ Joint = tuple[Numbers, tuple[Participant, ...], Disjunction, int | None]
 StepCandidate = tuple[Disjunction, int | EvaluationFault | None]
 """The clock constraints of a guard, and the channel that the edge names."""
 Effect = tuple[dict[int, int], ClockChanges]
-"""The cells and clocks that updates write, with their new values."""
+"""The slots and clocks that updates write, with their new values."""
 Memory = dict[tuple[tuple[int, ...], tuple[int, ...]], tuple[T | EvaluationFault, tuple[int, ...]]]
 """Answers where some columns have some contents, and the columns that these depend on."""
 
@@ -117,7 +117,7 @@ class ManyStates:
         return found
 
     def numbers(self, states: NDArray[np.signedinteger]) -> Numbers:
-        """The numbers of discrete states, with the mark behind the cells; new ones get the next numbers."""
+        """The numbers of discrete states, with the mark behind the slots; new ones get the next numbers."""
         known = self._numbers
         return np.array([known.setdefault(key, len(known)) for key in self._keys(states)], np.int64)
 
@@ -194,10 +194,10 @@ class ManyStates:
     ) -> tuple[T | EvaluationFault, tuple[int, ...]]:
         """The answer in one state, and what of the state it depends on besides some numbers that are known."""
         read: set[int] = set()
-        cells = Watched(row[self.processes :], self.processes, read)
+        slots = Watched(row[self.processes :], self.processes, read)
         answer: T | EvaluationFault
         try:
-            answer = question(Environment(self.model.layout, cells, Watched(row[: self.processes], 0, read)))
+            answer = question(Environment(self.model.layout, slots, Watched(row[: self.processes], 0, read)))
         except EvaluationFault as fault:
             answer = fault
         return answer, tuple(sorted(read.union(columns)))
@@ -381,11 +381,11 @@ class ManyStates:
         """The rows after the updates of a participant, by the values to which clocks were set."""
 
         def effect(scratch: Environment) -> Effect:
-            cells = scratch.values
-            assert isinstance(cells, Watched)
+            slots = scratch.values
+            assert isinstance(slots, Watched)
             bind_selects(self.model, participant, scratch)
             execute(self.model.edge(participant).updates, scratch)
-            return {n: list.__getitem__(cells, n) for n in cells.written}, dict(scratch.resets)
+            return {n: list.__getitem__(slots, n) for n in slots.written}, dict(scratch.resets)
 
         after: dict[ClockValues, list[tuple[Numbers, States]]] = {}
         for before, (rows, states) in pieces.items():
@@ -394,9 +394,9 @@ class ManyStates:
                 if isinstance(found, EvaluationFault):
                     self._note(rows[part], guard, transition, found)
                     continue
-                cells, resets = found
+                slots, resets = found
                 changed = states[part]
-                for n, value in cells.items():
+                for n, value in slots.items():
                     changed[:, self.processes + n] = value
                 earlier = {clock: (source, more) for clock, source, more in before}
                 whole = {**earlier, **composed(earlier, resets)}

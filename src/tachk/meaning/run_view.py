@@ -26,7 +26,7 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.floating import contains_double
 from tachk.model.network import Edge, Network
 from tachk.model.run import DiscreteState, Ending, Participant, TimedState, TimedTrace, Transition
-from tachk.model.types import BoolType, ChannelType, ClockType, cell_count
+from tachk.model.types import BoolType, ChannelType, ClockType, slot_count
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Snapshot:
 
     Attributes:
         locations: process and location, in the order of the processes.
-        variables: every cell of every stored variable with its value; meta variables are left out.
+        variables: every slot of every stored variable with its value; meta variables are left out.
         clocks: every clock with its value; None where the run is known without its times.
         time: time since the start; None likewise.
     """
@@ -126,7 +126,7 @@ class TraceView:
         return replace(
             state,
             locations=tuple(place for place in state.locations if place[0] not in self.hidden_processes),
-            variables=tuple(cell for cell in state.variables if cell[0] not in self.hidden_variables),
+            variables=tuple(slot for slot in state.variables if slot[0] not in self.hidden_variables),
         )
 
 
@@ -180,26 +180,26 @@ class RunNames:
         self._indices = _index_names(network)
         self._hidden = tuple(network.hides(process) for process in network.processes)
         numbers = {  # halves of floating point constants, which say nothing
-            self.layout.first[variable] + cell
+            self.layout.first[variable] + slot
             for variable in network.all_variables()
             if contains_double(variable.type)
-            for cell in range(cell_count(variable.type))
+            for slot in range(slot_count(variable.type))
         }
         self._variables = [
-            (cell, name, isinstance(leaf, BoolType))
-            for cell, (name, leaf, meta) in enumerate(
+            (slot, name, isinstance(leaf, BoolType))
+            for slot, (name, leaf, meta) in enumerate(
                 zip(self.layout.names, self.layout.types, self.layout.meta, strict=True)
             )
-            if cell not in numbers and not meta and not isinstance(leaf, ClockType | ChannelType)
+            if slot not in numbers and not meta and not isinstance(leaf, ClockType | ChannelType)
         ]
         self._metas = [
-            (cell, name)
-            for cell, (name, leaf, meta) in enumerate(
+            (slot, name)
+            for slot, (name, leaf, meta) in enumerate(
                 zip(self.layout.names, self.layout.types, self.layout.meta, strict=True)
             )
-            if meta and cell not in numbers and not isinstance(leaf, ClockType | ChannelType)
+            if meta and slot not in numbers and not isinstance(leaf, ClockType | ChannelType)
         ]
-        self._clocks = tuple(self.layout.names[cell] for cell in self.layout.clock_cells)
+        self._clocks = tuple(self.layout.names[slot] for slot in self.layout.clock_slots)
 
     def view(self, initial: Snapshot, steps: Sequence[ViewStep]) -> TraceView:
         hidden = [p for p, hides in zip(self.network.processes, self._hidden, strict=True) if hides]
@@ -207,7 +207,7 @@ class RunNames:
         owned = {
             name
             for variable in variables
-            for name in self.layout.names[self.layout.first[variable] :][: cell_count(variable.type)]
+            for name in self.layout.names[self.layout.first[variable] :][: slot_count(variable.type)]
         }
         return TraceView(initial, tuple(steps), frozenset(p.name for p in hidden), frozenset(owned))
 
@@ -219,7 +219,7 @@ class RunNames:
         values = state.values
         return Snapshot(
             locations,
-            tuple((name, bool(values[cell]) if flag else values[cell]) for cell, name, flag in self._variables),
+            tuple((name, bool(values[slot]) if flag else values[slot]) for slot, name, flag in self._variables),
         )
 
     def timed_snapshot(self, state: TimedState) -> Snapshot:
@@ -235,7 +235,7 @@ class RunNames:
             scratch = environment(self.model, before)
             bind_selects(self.model, first, scratch)
             number = channel_number(synchronisation.channel, scratch)
-            channel = self._channel(self.layout.channel_cells[number])
+            channel = self._channel(self.layout.channel_slots[number])
         moves = tuple(self._move(participant) for participant in transition.participants)
         return TransitionView(channel, moves, self._payload(before, transition) if channel else ())
 
@@ -246,11 +246,11 @@ class RunNames:
             values = meta_values(self.model, before, transition)
         except EvaluationFault:
             return ()
-        return tuple((name, int(values[cell])) for cell, name in self._metas)
+        return tuple((name, int(values[slot])) for slot, name in self._metas)
 
-    def _channel(self, cell: int) -> str:
+    def _channel(self, slot: int) -> str:
         """The name of a channel, with constants of the model as indices where its edges write them."""
-        name, *indices = self.layout.names[cell].replace("]", "").split("[")
+        name, *indices = self.layout.names[slot].replace("]", "").split("[")
         written = [self._indices.get((name, i), {}).get(int(index), index) for i, index in enumerate(indices)]
         return name + "".join(f"[{index}]" for index in written)
 

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 
 from tachk.base.operators import BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.words import Direction
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -53,6 +52,7 @@ from tachk.model.types import (
     Type,
     integer_range,
 )
+from tachk.model.variable_layout import default_values
 
 
 class Term:
@@ -219,12 +219,12 @@ class _Declarations:
     variables: list[Variable] = field(default_factory=list)
 
     def declare(self, name: str, type_: Type, initial: Sequence[int] | int | None = None, meta: bool = False) -> Term:
-        """Declares a variable of any type; ``initial`` has one integer for each cell, or one for a scalar."""
+        """Declares a variable of any type; ``initial`` has one integer for each slot, or one for a scalar."""
         if initial is None:
-            cells = default_cells(type_)
+            slots = default_values(type_)
         else:
-            cells = (initial,) if isinstance(initial, int) else tuple(initial)
-        return self._add(Variable(self.prefix + name, type_, self.kind, cells, declared_meta=meta))
+            slots = (initial,) if isinstance(initial, int) else tuple(initial)
+        return self._add(Variable(self.prefix + name, type_, self.kind, slots, declared_meta=meta))
 
     def clock(self, name: str, initial: int = 0) -> Term:
         return self.declare(name, ClockType(), initial)
@@ -242,9 +242,9 @@ class _Declarations:
         """A channel, or an array of ``size`` channels."""
         single = ChannelType(broadcast, urgent)
         type_ = ArrayType(single, IntType(0, size - 1)) if size else single
-        cells = max(size, 1)
-        priorities = () if priority is None else (priority,) * cells
-        return self._add(Variable(self.prefix + name, type_, self.kind, (0,) * cells, priorities=priorities))
+        slots = max(size, 1)
+        priorities = () if priority is None else (priority,) * slots
+        return self._add(Variable(self.prefix + name, type_, self.kind, (0,) * slots, priorities=priorities))
 
     def _add(self, variable: Variable) -> Term:
         self.variables.append(variable)

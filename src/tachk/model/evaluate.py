@@ -1,7 +1,7 @@
 """The reference evaluator: what expressions and statements mean, written to be obvious rather than fast.
 
 Everything is evaluated left to right. In an assignment the place is computed first, for a compound assignment the old
-value is read next, then the value is computed, then it is stored with a range check of the cell that is written.
+value is read next, then the value is computed, then it is stored with a range check of the slot that is written.
 A function parameter passed by value is checked like an assignment, a result against the declared result type.
 """
 
@@ -16,7 +16,6 @@ from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.model.cell_layout import CellLayout, cell_bounds, default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     Aggregate,
@@ -59,9 +58,10 @@ from tachk.model.types import (
     ScalarType,
     Type,
     bounds,
-    cell_count,
     leaves,
+    slot_count,
 )
+from tachk.model.variable_layout import VariableLayout, default_values, slot_bounds
 
 STEP_LIMIT = 2**24
 """Expressions and statements evaluated in one piece of code before the fault LOOP."""
@@ -71,7 +71,7 @@ _STEPS_UNWATCHED = 256
 
 
 @dataclass(slots=True)
-class StoredCells:
+class StoredSlots:
     """A piece of storage: values with their ranges."""
 
     values: list[int]
@@ -82,18 +82,18 @@ class StoredCells:
 class Place:
     """A position in a piece of storage."""
 
-    cells: StoredCells
+    slots: StoredSlots
     offset: int
 
     def read(self, count: int = 1) -> tuple[int, ...]:
-        return tuple(self.cells.values[self.offset : self.offset + count])
+        return tuple(self.slots.values[self.offset : self.offset + count])
 
     def write(self, values: Sequence[int], span: Span) -> None:
-        """Stores values; raises the fault RANGE, and then stores nothing, if one is outside its cell's range."""
-        for value, (low, high) in zip(values, self.cells.ranges[self.offset :], strict=False):
+        """Stores values; raises the fault RANGE, and then stores nothing, if one is outside its slot's range."""
+        for value, (low, high) in zip(values, self.slots.ranges[self.offset :], strict=False):
             if not low <= value <= high:
                 raise EvaluationFault(RuntimeErrorKind.RANGE, span, f"{value} is not in [{low}, {high}]")
-        self.cells.values[self.offset : self.offset + len(values)] = values
+        self.slots.values[self.offset : self.offset + len(values)] = values
 
 
 ClockChanges = dict[int, tuple[int, int]]
@@ -115,8 +115,8 @@ class Environment:
     """The environment in which an expression is evaluated.
 
     Attributes:
-        layout: the numbering of cells.
-        values: the content of every cell; updates change this list in place.
+        layout: the numbering of slots.
+        values: the content of every slot; updates change this list in place.
         locations: the current location of every process; needed by location tests only.
         clocks: the value of every clock, entry i for clock number i + 1; needed by clock comparisons only. Updates
             do not change it.
@@ -126,7 +126,7 @@ class Environment:
         steps: the number of steps of the current piece of code so far.
     """
 
-    layout: CellLayout
+    layout: VariableLayout
     values: list[int]
     locations: Sequence[int] = ()
     clocks: Sequence[Fraction] | None = None
@@ -134,15 +134,15 @@ class Environment:
     deadlock: Callable[[], bool] | None = None
     frame: dict[Variable, Place] = field(default_factory=dict)
     steps: int = 0
-    _state: StoredCells = field(init=False, repr=False)
+    _state: StoredSlots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self._state = StoredCells(self.values, self.layout.ranges)
+        self._state = StoredSlots(self.values, self.layout.ranges)
 
     def bind(self, variable: Variable, value: int) -> None:
         """Gives a select or quantifier variable its value."""
         assert isinstance(variable.type, IntType | BoolType | ScalarType)
-        self.frame[variable] = Place(StoredCells([value], (bounds(variable.type),)), 0)
+        self.frame[variable] = Place(StoredSlots([value], (bounds(variable.type),)), 0)
 
     def place(self, variable: Variable) -> Place:
         """The place of a variable; raises KeyError for one that is not in the environment."""
@@ -156,10 +156,10 @@ def evaluate(expression: Expression, environment: Environment) -> int:
     return _scalar(expression, environment)
 
 
-def evaluate_cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
-    """The cells of the value of an expression of any type. Raises EvaluationFault."""
+def evaluate_slots(expression: Expression, environment: Environment) -> tuple[int, ...]:
+    """The slots of the value of an expression of any type. Raises EvaluationFault."""
     environment.steps = 0
-    return _cells(expression, environment)
+    return _slots(expression, environment)
 
 
 def holds(condition: Expression | None, environment: Environment) -> bool:
@@ -171,7 +171,7 @@ def execute(updates: Iterable[Expression], environment: Environment) -> None:
     """Executes the updates of one edge, left to right, on the environment. Raises EvaluationFault."""
     environment.steps = 0
     for update in updates:
-        _cells(update, environment)
+        _slots(update, environment)
 
 
 def clock_number(expression: Expression, environment: Environment) -> int:
@@ -197,24 +197,24 @@ def _count_step(span: Span, environment: Environment) -> None:
         raise EvaluationFault(RuntimeErrorKind.LOOP, span)
 
 
-def _cells(expression: Expression, environment: Environment) -> tuple[int, ...]:
+def _slots(expression: Expression, environment: Environment) -> tuple[int, ...]:
     if isinstance(expression.type, IntType | BoolType | ScalarType):
         return (_scalar(expression, environment),)
     match expression:
         case Aggregate(items):
-            return tuple(cell for item in items for cell in _cells(item, environment))
+            return tuple(slot for item in items for slot in _slots(item, environment))
         case Assign():
             return _assign(expression, environment)
         case Call():
             return _call(expression, environment)
         case Comma(items):
             for item in items[:-1]:
-                _cells(item, environment)
-            return _cells(items[-1], environment)
+                _slots(item, environment)
+            return _slots(items[-1], environment)
         case Conditional(condition, then, otherwise):
-            return _cells(then if _scalar(condition, environment) else otherwise, environment)
+            return _slots(then if _scalar(condition, environment) else otherwise, environment)
         case Reference() | Index() | Field():
-            return _place(expression, environment).read(cell_count(expression.type))
+            return _place(expression, environment).read(slot_count(expression.type))
         case _:
             raise TypeError(f"{type(expression).__name__} has no aggregate value")
 
@@ -247,7 +247,7 @@ def _scalar(expression: Expression, environment: Environment) -> int:
             return _call(expression, environment)[0]
         case Comma(items):
             for item in items[:-1]:
-                _cells(item, environment)
+                _slots(item, environment)
             return _scalar(items[-1], environment)
         case LocationTest(process, location):
             return int(environment.locations[process] == location)
@@ -283,20 +283,20 @@ def _place(expression: Expression, environment: Environment) -> Place:
             if not 0 <= number < base.type.size:
                 low, high = base.type.low, base.type.low + base.type.size - 1
                 raise EvaluationFault(RuntimeErrorKind.INDEX, span, f"{number + low} is not in [{low}, {high}]")
-            return Place(start.cells, start.offset + number * cell_count(base.type.element))
+            return Place(start.slots, start.offset + number * slot_count(base.type.element))
         case Field(base, name):
             assert isinstance(base.type, RecordType)
             start = _place(base, environment)
-            return Place(start.cells, start.offset + base.type.offset(name))
+            return Place(start.slots, start.offset + base.type.offset(name))
         case Conditional(condition, then, otherwise):
             return _place(then if _scalar(condition, environment) else otherwise, environment)
         case _:
-            values = _cells(expression, environment)
-            return Place(StoredCells(list(values), _ranges(expression.type)), 0)
+            values = _slots(expression, environment)
+            return Place(StoredSlots(list(values), _ranges(expression.type)), 0)
 
 
 def _ranges(type_: Type) -> tuple[tuple[int, int], ...]:
-    return tuple(cell_bounds(leaf) for _, leaf in leaves(type_))
+    return tuple(slot_bounds(leaf) for _, leaf in leaves(type_))
 
 
 def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
@@ -313,12 +313,12 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
         environment.resets.update(composed(environment.resets, {place.read()[0]: (source, number)}))
         return (number,)
     if expression.operator is None:
-        cells = _cells(value, environment)
+        slots = _slots(value, environment)
     else:
         old = place.read()[0]
-        cells = (_computed(expression.operator, old, _scalar(value, environment), span),)
-    place.write(cells, span)
-    return cells
+        slots = (_computed(expression.operator, old, _scalar(value, environment), span),)
+    place.write(slots, span)
+    return slots
 
 
 def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
@@ -330,16 +330,16 @@ def _call(expression: Call, environment: Environment) -> tuple[int, ...]:
         if parameter.reference:
             places.append(_place(argument, environment))
         else:
-            place = Place(StoredCells(list(default_cells(parameter.type)), _ranges(parameter.type)), 0)
-            place.write(_cells(argument, environment), argument.span)
+            place = Place(StoredSlots(list(default_values(parameter.type)), _ranges(parameter.type)), 0)
+            place.write(_slots(argument, environment), argument.span)
             places.append(place)
     environment.frame.update(zip(function.parameters, places, strict=True))
     return _run(function.body, function.result, environment) or ()
 
 
 def _operate(operation: FloatingOperation, expression: Call, environment: Environment) -> tuple[int, ...]:
-    cells = [_cells(argument, environment) for argument in expression.arguments]
-    arguments = [number_of(c) if len(c) > 1 else c[0] for c in cells]
+    slots = [_slots(argument, environment) for argument in expression.arguments]
+    arguments = [number_of(c) if len(c) > 1 else c[0] for c in slots]
     result = operation.compute(arguments)
     if result is None:
         given = " and ".join(map(str, arguments))
@@ -370,7 +370,7 @@ def _binary(expression: Binary, environment: Environment) -> int:
     operator, left, right = expression.operator, expression.left, expression.right
     if operator in COMPARISONS:
         if isinstance(left.type, ArrayType | RecordType):
-            return _compare_cells(operator, _cells(left, environment), _cells(right, environment))
+            return _compare_slots(operator, _slots(left, environment), _slots(right, environment))
         return int(operator.holds(_number(left, environment), _number(right, environment)))
     first = _scalar(left, environment)
     if operator.decided_by == (first != 0):
@@ -378,7 +378,7 @@ def _binary(expression: Binary, environment: Environment) -> int:
     return _computed(operator, first, _scalar(right, environment), expression.span)
 
 
-def _compare_cells(comparison: BinaryOperator, left: tuple[int, ...], right: tuple[int, ...]) -> int:
+def _compare_slots(comparison: BinaryOperator, left: tuple[int, ...], right: tuple[int, ...]) -> int:
     match comparison:
         case BinaryOperator.EQUAL:
             return int(left == right)
@@ -399,15 +399,15 @@ def _computed(operator: BinaryOperator, left: int, right: int, span: Span) -> in
 
 
 def _run(statement: Statement, result: Type, environment: Environment) -> tuple[int, ...] | None:
-    """Executes a statement; the cells of the result if it returned, else None."""
+    """Executes a statement; the slots of the result if it returned, else None."""
     match statement:
         case Evaluate(expression):
-            _cells(expression, environment)
+            _slots(expression, environment)
         case Declare(variable, initial):
-            cells = default_cells(variable.type)
-            place = Place(StoredCells(list(cells), _ranges(variable.type)), 0)
+            slots = default_values(variable.type)
+            place = Place(StoredSlots(list(slots), _ranges(variable.type)), 0)
             if initial is not None:
-                place.write(_cells(initial, environment), initial.span)
+                place.write(_slots(initial, environment), initial.span)
             environment.frame[variable] = place
         case Block(statements):
             for inner in statements:
@@ -439,9 +439,9 @@ def _run(statement: Statement, result: Type, environment: Environment) -> tuple[
         case Return(value):
             if value is None:
                 return ()
-            cells = _cells(value, environment)
-            Place(StoredCells(list(cells), _ranges(result)), 0).write(cells, value.span)
-            return cells
+            slots = _slots(value, environment)
+            Place(StoredSlots(list(slots), _ranges(result)), 0).write(slots, value.span)
+            return slots
         case Assert(condition):
             if not _scalar(condition, environment):
                 raise EvaluationFault(RuntimeErrorKind.ASSERT, condition.span)

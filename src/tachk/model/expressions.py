@@ -14,7 +14,7 @@ from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.base.span import NOWHERE, Span
 from tachk.model.floating import FloatingOperation, hybrid_offsets
-from tachk.model.types import BoolType, IntType, Type, cell_count
+from tachk.model.types import BoolType, IntType, Type, slot_count
 
 
 class VariableKind(StrEnum):
@@ -34,11 +34,11 @@ class Variable:
     Attributes:
         name: unique within the network for global and local variables (``P.x`` for the local ``x`` of process ``P``).
         type: any type; clocks and channels are variables too.
-        initial: one integer for each cell (see `types.leaves`); channels have 0 there.
+        initial: one integer for each slot (see `types.leaves`); channels have 0 there.
         declared_meta: the declaration says `meta`. `Network.resets` says whether transitions take it so.
         reference: a function parameter passed by reference.
-        priorities: for channels, one priority for each cell; empty means the network's default priority.
-        carries: the channel whose values pass through this hidden variable, cell by cell.
+        priorities: for channels, one priority for each slot; empty means the network's default priority.
+        carries: the channel whose values pass through this hidden variable, slot by slot.
         is_hybrid: floating point numbers that change while time passes, with the rates of locations. Fields of records
             are so by their type, see `has_hybrid_clocks`.
         drawn: its initial value where that is drawn anew for each run. Only simulations have such variables.
@@ -57,8 +57,8 @@ class Variable:
     drawn: Expression | None = None
 
     def hybrid_clocks(self) -> Iterator[int]:
-        """The cells at which its hybrid clocks begin."""
-        return iter(range(0, cell_count(self.type), 2)) if self.is_hybrid else hybrid_offsets(self.type)
+        """The slots at which its hybrid clocks begin."""
+        return iter(range(0, slot_count(self.type), 2)) if self.is_hybrid else hybrid_offsets(self.type)
 
     @property
     def has_hybrid_clocks(self) -> bool:
@@ -182,7 +182,7 @@ class Assign:
     """``target = value``; ``operator`` ADD means ``target += value`` and so on. Its value is the target's new value.
 
     With a clock as the target, ``value`` is a non-negative integer expression, the place of a clock, or a sum of both
-    (`tachk.model.clock_sums`). Aggregates are copied cell by cell.
+    (`tachk.model.clock_sums`). Aggregates are copied slot by slot.
     """
 
     target: Expression
@@ -268,7 +268,7 @@ class Evaluate:
 
 @dataclass(frozen=True, slots=True)
 class Declare:
-    """Gives a frame variable its value when control passes; cells without ``initial`` get the type's default 0
+    """Gives a frame variable its value when control passes; slots without ``initial`` get the type's default 0
     (or its lower bound, where 0 is outside)."""
 
     variable: Variable

@@ -1,4 +1,4 @@
-"""Floating point numbers: IEEE doubles as values of two cells, and what can be computed with them.
+"""Floating point numbers: IEEE doubles as values of two slots, and what can be computed with them.
 
 A double is a record of two 32-bit integers, its high and its low half, so that storing, passing and indexing need
 nothing of their own. `src/core/machine/floating.hpp` mirrors the numbers of the operations and what they compute. What
@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from enum import IntEnum
 
-from tachk.model.types import ArrayType, BoolType, IntType, RecordType, Type, cell_count
+from tachk.model.types import ArrayType, BoolType, IntType, RecordType, Type, slot_count
 
 _HALF = IntType(-(2**31), 2**31 - 1)
 
@@ -219,14 +219,14 @@ def _library(operation: FloatingOperation, first: float, second: float) -> float
 
 
 def halves(number: float) -> tuple[int, int]:
-    """The cells of a floating point number."""
+    """The slots of a floating point number."""
     high, low = struct.unpack(">ii", struct.pack(">d", number))
     return high, low
 
 
-def number_of(cells: Sequence[int]) -> float:
-    """The floating point number in two cells."""
-    number: float = struct.unpack(">d", struct.pack(">ii", *cells))[0]
+def number_of(slots: Sequence[int]) -> float:
+    """The floating point number in two slots."""
+    number: float = struct.unpack(">d", struct.pack(">ii", *slots))[0]
     return number
 
 
@@ -272,17 +272,17 @@ def variable_type(type_: Type) -> Type:
 
 
 def hybrid_offsets(type_: Type, first: int = 0) -> Iterator[int]:
-    """The cells at which the hybrid clocks among the fields of a type begin."""
+    """The slots at which the hybrid clocks among the fields of a type begin."""
     match type_:
         case RecordType() if type_ == HYBRID_DOUBLE:
             yield first
         case RecordType(_, fields):
             for _, inner in fields:
                 yield from hybrid_offsets(inner, first)
-                first += cell_count(inner)
+                first += slot_count(inner)
         case ArrayType(element):
             inside = tuple(hybrid_offsets(element))
-            size = cell_count(element)
+            size = slot_count(element)
             yield from (first + number * size + offset for number in range(type_.size) for offset in inside)
         case _:
             return

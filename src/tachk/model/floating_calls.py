@@ -106,7 +106,7 @@ def as_double(value: Expression) -> Expression:
 
 def floating_constant(number: float, span: Span = NOWHERE) -> Expression:
     _, (_, half) = DOUBLE.fields
-    return Aggregate(tuple(Constant(cell, half, span) for cell in halves(number)), DOUBLE, span)
+    return Aggregate(tuple(Constant(slot, half, span) for slot in halves(number)), DOUBLE, span)
 
 
 def constant_number(expression: Expression) -> float | None:

@@ -183,5 +183,5 @@ class Network:
         return any(variable.has_hybrid_clocks for variable in self.all_variables())
 
     def all_variables(self) -> tuple[Variable, ...]:
-        """Global variables first, then those of each process in order: the order of cells everywhere in tachk."""
+        """Global variables first, then those of each process in order: the order of slots everywhere in tachk."""
         return self.variables + tuple(v for p in self.processes for v in p.variables)

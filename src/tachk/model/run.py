@@ -34,7 +34,7 @@ class Transition:
 class DiscreteState:
     """Attributes:
     locations: one location number for each process.
-    values: one value for each cell of `Network.all_variables` in order; cells of clocks (numbered from 1) and channels
+    values: one value for each slot of `Network.all_variables` in order; slots of clocks (numbered from 1) and channels
         (numbered from 0) hold their numbers.
     """
 

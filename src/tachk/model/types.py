@@ -1,7 +1,7 @@
 """The types of the modelling language.
 
-A value of any type is a sequence of *cells* (its scalar leaves, in declaration order), so an array of records and a
-bounded integer differ only in how many cells they have. Clocks and channels are cells too: their content is the fixed
+A value of any type is a sequence of *slots* (its scalar leaves, in declaration order), so an array of records and a
+bounded integer differ only in how many slots they have. Clocks and channels are slots too: their content is the fixed
 number of that clock or channel, which makes indexing, passing by reference and structs with clocks one mechanism.
 """
 
@@ -99,12 +99,12 @@ class RecordType:
         return next((type_ for _, left_out, type_ in self.left_out if left_out == name), None)
 
     def offset(self, field: str) -> int:
-        """The number of cells in front of a field. Raises KeyError for an unknown field."""
+        """The number of slots in front of a field. Raises KeyError for an unknown field."""
         before = 0
         for name, type_ in self.fields:
             if name == field:
                 return before
-            before += cell_count(type_)
+            before += slot_count(type_)
         raise KeyError(field)
 
 
@@ -134,13 +134,13 @@ def element_type(type_: Type) -> Type:
     return type_
 
 
-def cell_count(type_: Type) -> int:
-    """The number of cells of a value of the type."""
+def slot_count(type_: Type) -> int:
+    """The number of slots of a value of the type."""
     match type_:
         case ArrayType():
-            return type_.size * cell_count(type_.element)
+            return type_.size * slot_count(type_.element)
         case RecordType():
-            return sum(cell_count(t) for _, t in type_.fields)
+            return sum(slot_count(t) for _, t in type_.fields)
         case VoidType():
             return 0
         case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
@@ -148,7 +148,7 @@ def cell_count(type_: Type) -> int:
 
 
 def clock_count(type_: Type) -> int:
-    """The number of cells that are clocks."""
+    """The number of slots that are clocks."""
     match type_:
         case ArrayType():
             return type_.size * clock_count(type_.element)
@@ -170,7 +170,7 @@ def nesting(type_: Type) -> int:
 
 
 def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
-    """The cells of a type in order, each with its access path (``[2].x``) and its leaf type."""
+    """The slots of a type in order, each with its access path (``[2].x``) and its leaf type."""
     match type_:
         case ArrayType():
             for i in range(type_.size):
@@ -184,14 +184,14 @@ def leaves(type_: Type, path: str = "") -> Iterator[tuple[str, Type]]:
             yield path, type_
 
 
-def kinds_of_cells(type_: Type) -> Iterator[Type]:
+def kinds_of_slots(type_: Type) -> Iterator[Type]:
     """The leaf types of a type; of an array those of one element."""
     match type_:
         case ArrayType():
-            yield from kinds_of_cells(type_.element)
+            yield from kinds_of_slots(type_.element)
         case RecordType():
             for _, field_type in type_.fields:
-                yield from kinds_of_cells(field_type)
+                yield from kinds_of_slots(field_type)
         case VoidType():
             return
         case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():

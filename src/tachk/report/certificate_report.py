@@ -58,7 +58,7 @@ class Judgement:
         names = self._names()
         snapshot = names.snapshot(self.objection.discrete)
         zone = self._zone()
-        clocks = [names.layout.names[cell] for cell in names.layout.clock_cells]
+        clocks = [names.layout.names[slot] for slot in names.layout.clock_slots]
         number = self.objection.zone
         return ZoneState(number, snapshot.locations, snapshot.variables, constraint_texts(zone, clocks), zone)
 

@@ -21,8 +21,8 @@ from tachk.model.types import (
     RecordType,
     ScalarType,
     Type,
-    cell_count,
     leaves,
+    slot_count,
 )
 
 _LOCATION = re.compile(r"(?P<process>.+)\.(?P<location>[A-Za-z_]\w*)")
@@ -110,7 +110,7 @@ def _variables(network: Network) -> Iterator[Column]:
 
 
 def _doubles(name: str, place: Expression, first: int = 0) -> Iterator[tuple[int, tuple[str, Expression]]]:
-    """The floating point numbers in a place: at which of its cells each begins, its name and the expression."""
+    """The floating point numbers in a place: at which of its slots each begins, its name and the expression."""
     match place.type:
         case RecordType() as record if record == DOUBLE:
             yield first, (name, place)
@@ -123,13 +123,13 @@ def _doubles(name: str, place: Expression, first: int = 0) -> Iterator[tuple[int
             for number in range(array.size if contains_double(element) else 0):
                 index = number + array.low
                 inner = Index(place, Constant(index), value_type(element))
-                yield from _doubles(f"{name}[{index}]", inner, first + number * cell_count(element))
+                yield from _doubles(f"{name}[{index}]", inner, first + number * slot_count(element))
         case _:
             return
 
 
 def _is_half(doubles: Mapping[int, object], place: int) -> bool:
-    """True if a cell is the second half of a floating point number."""
+    """True if a slot is the second half of a floating point number."""
     return place - 1 in doubles
 
 

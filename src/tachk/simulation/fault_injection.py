@@ -118,8 +118,8 @@ def with_faults(network: Network, plan: Sequence[InjectedFault]) -> FaultedNetwo
             raise UsageError(f"--fault {injected.written}: {injection.why_not(injected)}")
     counters = list(injection.counters())
     last = replace(processes[-1], variables=(*processes[-1].variables, *counters))
-    cells = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
-    numbers = {variable: len(network.processes) + cells + place for place, variable in enumerate(counters)}
+    slots = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
+    numbers = {variable: len(network.processes) + slots + place for place, variable in enumerate(counters)}
     return FaultedNetwork(
         replace(network, processes=(*processes[:-1], last)),
         {written: numbers[variable] for written, variable in injection.done.items()},

@@ -5,7 +5,7 @@ it blocks time by an invariant or an urgent location, or all others by a committ
 Every run of the network is one of the network without it, so what is unreachable there is unreachable. What is
 reachable there need not be.
 
-Influence goes through cells (`tachk.analysis.components`): ``sent[0]`` is not ``sent[1]``. A variable that has its
+Influence goes through components (`tachk.analysis.components`): ``sent[0]`` is not ``sent[1]``. A variable that has its
 initial value whenever a transition begins carries influence only to those that take part in the same one, after the
 writer.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import field, replace
 
-from tachk.analysis.components import Cell, ComponentSet, mentioned_cells, places, written_cells
+from tachk.analysis.components import Component, ComponentSet, mentioned_components, places, written_components
 from tachk.analysis.fold import Known, known_values
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
@@ -76,26 +76,26 @@ class _Deeds:
 
     Attributes:
         stops_clocks: in some location.
-        writes: cells that hold their values from one transition to the next.
+        writes: components that hold their values from one transition to the next.
         sends, receives: channels.
         commits: channels on which it receives in a committed location, or where it observes.
         passes: of each edge that receives, the channel, and what it gives those that receive after it.
     """
 
     stops_clocks: bool
-    writes: frozenset[Cell]
-    sends: frozenset[Cell]
-    receives: frozenset[Cell]
-    commits: frozenset[Cell]
-    passes: tuple[tuple[frozenset[Cell], frozenset[Cell]], ...]
+    writes: frozenset[Component]
+    sends: frozenset[Component]
+    receives: frozenset[Component]
+    commits: frozenset[Component]
+    passes: tuple[tuple[frozenset[Component], frozenset[Component]], ...]
 
 
 def _deeds(network: Network, process: Process, known: Known, ignored: Collection[Variable]) -> _Deeds:
-    written = written_cells(list(process_expressions(process)), known)
-    sends: set[Cell] = set()
-    receives: set[Cell] = set()
-    commits: set[Cell] = set()
-    passes: list[tuple[frozenset[Cell], frozenset[Cell]]] = []
+    written = written_components(list(process_expressions(process)), known)
+    sends: set[Component] = set()
+    receives: set[Component] = set()
+    commits: set[Component] = set()
+    passes: list[tuple[frozenset[Component], frozenset[Component]]] = []
     for edge in process.edges:
         if edge.synchronisation is None:
             continue
@@ -106,12 +106,16 @@ def _deeds(network: Network, process: Process, known: Known, ignored: Collection
         receives |= channels
         if process.locations[edge.source].committed or process.locations[edge.source].observes:
             commits |= channels
-        passed = frozenset(cell for cell in written_cells(edge.updates, known) if network.resets(cell[0]))
+        passed = frozenset(
+            component for component in written_components(edge.updates, known) if network.resets(component[0])
+        )
         if passed:
             passes.append((channels, passed))
     return _Deeds(
         any(location.rates for location in process.locations),
-        frozenset(cell for cell in written if not network.resets(cell[0]) and cell[0] not in ignored),
+        frozenset(
+            component for component in written if not network.resets(component[0]) and component[0] not in ignored
+        ),
         frozenset(sends),
         frozenset(receives),
         frozenset(commits),
@@ -127,7 +131,7 @@ class _Cone:
         known: the constants of the network.
         members: the processes that count.
         processes: those whose locations are tested.
-        cells: what is read.
+        components: what is read.
         received: channels on which a member receives.
         sent: channels on which one sends to a single partner.
         broadcast: broadcast channels on which one sends.
@@ -136,7 +140,7 @@ class _Cone:
 
     known: Known
     processes: set[int] = field(default_factory=set)
-    cells: ComponentSet = field(default_factory=ComponentSet)
+    components: ComponentSet = field(default_factory=ComponentSet)
     members: set[int] = field(default_factory=set)
     received: ComponentSet = field(default_factory=ComponentSet)
     sent: ComponentSet = field(default_factory=ComponentSet)
@@ -144,9 +148,9 @@ class _Cone:
     admitted: ComponentSet = field(default_factory=ComponentSet)
 
     def include(self, expressions: Sequence[Expression]) -> None:
-        processes, cells = mentioned_cells(expressions, self.known)
+        processes, components = mentioned_components(expressions, self.known)
         self.processes |= processes
-        self.cells.add(cells)
+        self.components.add(components)
 
     def trimmed(self, process: Process) -> Process:
         """The process without the updates that change nothing in the cone."""
@@ -156,19 +160,21 @@ class _Cone:
         )
 
     def changed_by(self, update: Expression) -> bool:
-        return self.cells.meets(written_cells([update], self.known))
+        return self.components.meets(written_components([update], self.known))
 
     def needs(self, number: int, deeds: _Deeds) -> bool:
         """True if the process can make something possible for the members."""
         return (
             number in self.processes
             or deeds.stops_clocks
-            or self.cells.meets(deeds.writes)
+            or self.components.meets(deeds.writes)
             or self.received.meets(deeds.sends)
             or self.sent.meets(deeds.receives)
             # With a receiver in a committed location a broadcast is possible that another committed location forbids.
             or self.admitted.meets(deeds.commits)
-            or any(self.broadcast.meets(channels) and self.cells.meets(written) for channels, written in deeds.passes)
+            or any(
+                self.broadcast.meets(channels) and self.components.meets(written) for channels, written in deeds.passes
+            )
         )
 
     def add(self, number: int, process: Process) -> None:
@@ -189,7 +195,7 @@ class _Cone:
 
     @property
     def size(self) -> tuple[int, int, int]:
-        return len(self.members), len(self.cells), len(self.processes)
+        return len(self.members), len(self.components), len(self.processes)
 
 
 def _cone(
@@ -219,6 +225,6 @@ def _without_updates(edge: Edge) -> Edge:
     return replace(edge, updates=())
 
 
-def _channels(edge: Edge, known: Known) -> frozenset[Cell]:
+def _channels(edge: Edge, known: Known) -> frozenset[Component]:
     assert edge.synchronisation is not None
     return frozenset(places(edge.synchronisation.channel, known))

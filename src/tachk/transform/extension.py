@@ -7,11 +7,11 @@ from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.records import dataclass
-from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import Expression, Reference, Variable, VariableKind
 from tachk.model.network import Location, Network, Process
 from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace
 from tachk.model.types import ClockType
+from tachk.model.variable_layout import variable_layout
 from tachk.transform.transformation import Exactness, Transformation
 
 
@@ -23,11 +23,11 @@ class Extension(Transformation):
         """The run without the additions; it ends, and goes round, as it does."""
         if self.network is self.original:
             return run
-        layout, processes = cell_layout(self.original), len(self.original.processes)
-        cells, clocks = len(layout.initial), len(layout.clock_cells)
+        layout, processes = variable_layout(self.original), len(self.original.processes)
+        slots, clocks = len(layout.initial), len(layout.clock_slots)
 
         def own(state: TimedState) -> TimedState:
-            discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:cells])
+            discrete = DiscreteState(state.discrete.locations[:processes], state.discrete.values[:slots])
             return TimedState(discrete, state.clocks[:clocks], state.time)
 
         steps: list[TimedStep] = []

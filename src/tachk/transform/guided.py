@@ -13,7 +13,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from math import prod
 
-from tachk.analysis.components import ComponentSet, written_cells
+from tachk.analysis.components import ComponentSet, written_components
 from tachk.analysis.fold import Known
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
@@ -131,7 +131,7 @@ def _sparing(process: Process, spared: ComponentSet) -> Process:
     return replace(
         process,
         edges=tuple(
-            replace(edge, guard=_FALSE) if spared.meets(written_cells(edge.updates, Known())) else edge
+            replace(edge, guard=_FALSE) if spared.meets(written_components(edge.updates, Known())) else edge
             for edge in process.edges
         ),
     )

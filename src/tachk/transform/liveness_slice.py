@@ -204,8 +204,8 @@ def _covers(alternatives: list[tuple[Expression, ...]], known: Known) -> bool:
     if prod(map(len, choices)) > MOST_COMBINATIONS:
         return False
     for combination in product(*choices):
-        cells = {variable: (value,) for variable, value in zip(tested, combination, strict=True)}
-        there = Known({**known.values, **cells}, known.bound)
+        slots = {variable: (value,) for variable, value in zip(tested, combination, strict=True)}
+        there = Known({**known.values, **slots}, known.bound)
         if not any(all(_is_true(fold(c, there)) for c in conditions) for conditions in alternatives):
             return False
     return bool(alternatives)

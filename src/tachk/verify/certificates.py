@@ -177,7 +177,7 @@ def _with_groups(program: Program, groups: Iterable[SymmetryGroup]) -> Program:
 def _header(network: Network, model: str, query: Query, groups: tuple[SymmetryGroup, ...]) -> CertificateHeader:
     whole = observed(network, query.observer).network
     layout = prepare(whole).layout
-    clocks = tuple(layout.names[cell] for cell in layout.clock_cells)
+    clocks = tuple(layout.names[slot] for slot in layout.clock_slots)
     width = len(whole.processes) + len(layout.initial)
     kind = ProofKind.INEVITABLE if query.target is None else ProofKind.UNREACHABLE
     return CertificateHeader(kind, query.name, query.text, model, dict(network.constants), width, clocks, groups)
@@ -206,7 +206,7 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
 def _native_check(
     network: Network, query: Query, header: CertificateHeader
 ) -> Callable[[Iterable[Columns]], Objection | None]:
-    """The native check of symbolic states of a header's locations, cells and clocks, with its groups taken as proved.
+    """The native check of symbolic states of a header's locations, slots and clocks, with its groups taken as proved.
 
     Raises MalformedCertificateError.
     """

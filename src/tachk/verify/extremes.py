@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 
-from tachk.analysis.fold import fold_place, known_cell, known_values
+from tachk.analysis.fold import fold_place, known_slot, known_values
 from tachk.base.job import unhurried
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
@@ -249,7 +249,7 @@ class ExtremeSearch:
         """True if it is a clock, the same one in all states."""
         if not isinstance(expression.type, ClockType):
             return False
-        return known_cell(fold_place(expression, known_values(self.network, [self.where]))) is not None
+        return known_slot(fold_place(expression, known_values(self.network, [self.where]))) is not None
 
     def _clock(self, clock: Expression, largest: bool) -> FoundExtreme | None:
         for bound in self._time_bounds():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain
 
-from tachk.analysis.components import ComponentSet, mentioned_cells, written_cells
+from tachk.analysis.components import ComponentSet, mentioned_components, written_components
 from tachk.analysis.failures import edge_can_fail, location_can_fail
 from tachk.analysis.fold import Known, known_values
 from tachk.model.network import Network, Process
@@ -29,16 +29,16 @@ def unexamined(network: Network, reduced: Network) -> tuple[str, ...]:
 
 def _raised_by_both(network: Network, pairs: list[tuple[Process, Process]], known: Known) -> Iterator[str]:
     taken = ComponentSet(
-        cell
+        component
         for whole, part in pairs
         if len(whole.edges) != len(part.edges)
-        for cell in written_cells(list(process_expressions(whole)), known)
-        if not network.resets(cell[0])
+        for component in written_components(list(process_expressions(whole)), known)
+        if not network.resets(component[0])
     )
     for _, part in pairs:
         for edge in part.edges:
             for update in edge.updates:
-                if taken.meets(mentioned_cells([update], known)[1]) and edge_can_fail(edge, known, [update]):
+                if taken.meets(mentioned_components([update], known)[1]) and edge_can_fail(edge, known, [update]):
                     yield from sorted(variable.name for variable in written_variables([update]))
 
 

@@ -22,13 +22,13 @@ from tachk.engine.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.meaning.clock_constants import clock_constants, interval
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
-from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import Assign, Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import RunTimeFault, TimedState, Transition
 from tachk.model.traversal import walk, with_bodies
 from tachk.model.types import ClockType
+from tachk.model.variable_layout import variable_layout
 
 Clocks = tuple[Fraction, ...]
 
@@ -70,7 +70,7 @@ def _largest_reset(network: Network) -> int:
     updates = [update for process in network.processes for edge in process.edges for update in edge.updates]
     inside = (e for expression in with_bodies(updates) for e in walk(expression))
     resets = (e for e in inside if isinstance(e, Assign) and isinstance(e.type, ClockType))
-    return max((interval(e.value)[1] for e in resets), default=0) + max(cell_layout(network).starts, default=0)
+    return max((interval(e.value)[1] for e in resets), default=0) + max(variable_layout(network).starts, default=0)
 
 
 def _capped(clocks: Clocks, maximum: Sequence[int]) -> Clocks:

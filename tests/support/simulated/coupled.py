@@ -174,8 +174,8 @@ def not_a_run(network: Network, rows: Sequence[tuple[int, Values]]) -> str:
     columns = [c for c in all_columns(network) if isinstance(c.value, int) and c.name in rows[0][1]]
 
     def fits(state: TimedState, values: Values) -> bool:
-        cells = (*state.discrete.locations, *state.discrete.values)
-        return all(cells[c.value] == values[c.name] for c in columns if isinstance(c.value, int))
+        slots = (*state.discrete.locations, *state.discrete.values)
+        return all(slots[c.value] == values[c.name] for c in columns if isinstance(c.value, int))
 
     states = [state for state in [initial_state(model)] if fits(state, rows[0][1])]
     for number, (before, (time, values)) in enumerate(pairwise(rows)):

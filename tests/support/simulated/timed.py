@@ -16,21 +16,21 @@ WITH_STATES = RecordedChanges(actions=True, observed=True, clocks=True)
 
 def state_columns(network: Network) -> tuple[Column, ...]:
     """The whole discrete state."""
-    cells = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
-    return tuple(Column(str(slot), slot) for slot in range(len(network.processes) + cells))
+    slots = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
+    return tuple(Column(str(slot), slot) for slot in range(len(network.processes) + slots))
 
 
-def timed_trace(network: Network, run: Simulated, cells: int | None = None) -> TimedTrace:
+def timed_trace(network: Network, run: Simulated, slots: int | None = None) -> TimedTrace:
     """The run with the states that the simulator has found.
 
     Args:
-        cells: how many of the columns behind the locations belong to the state; None: all.
+        slots: how many of the columns behind the locations belong to the state; None: all.
     """
     processes = len(network.processes)
     states = []
     for row, (time, values) in enumerate(zip(run.times.tolist(), run.observed.tolist(), strict=True)):
         clocks = run.clocks[row].tolist() if len(run.clocks) else []
-        discrete = DiscreteState(tuple(values[:processes]), tuple(values[processes:][:cells]))
+        discrete = DiscreteState(tuple(values[:processes]), tuple(values[processes:][:slots]))
         states.append(
             TimedState(
                 discrete, tuple(Fraction(c, run.ticks_per_unit) for c in clocks), Fraction(time, run.ticks_per_unit)

@@ -26,13 +26,13 @@ def random_state(model: PreparedNetwork, constants: Mapping[int, int], random: R
     """Any discrete state; of some slots the values are given."""
     processes = model.network.processes
     locations = tuple(random.randrange(len(process.locations)) for process in processes)
-    cells = [
-        constants.get(len(processes) + cell, initial if meta or high - low > 1_000 else random.randint(low, high))
-        for cell, ((low, high), meta, initial) in enumerate(
+    slots = [
+        constants.get(len(processes) + slot, initial if meta or high - low > 1_000 else random.randint(low, high))
+        for slot, ((low, high), meta, initial) in enumerate(
             zip(model.layout.ranges, model.layout.meta, model.layout.initial, strict=True)
         )
     ]
-    return DiscreteState(locations, tuple(cells))
+    return DiscreteState(locations, tuple(slots))
 
 
 def is_kept(

@@ -14,15 +14,15 @@ from tachk.analysis.intervals import interval
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process
+from tachk.model.variable_layout import variable_layout
 from tests.support.drawn_expressions import COUNT, SMALL, VARIABLES, update_lists, values
 
 NETWORK = Network((Process("P", "P", (Location("a"), Location("b")), ()),), VARIABLES)
-LAYOUT = cell_layout(NETWORK)
+LAYOUT = variable_layout(NETWORK)
 RANDOM = settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 STATES = st.tuples(*(st.integers(low, high) for low, high in LAYOUT.ranges)).map(list)
 PREDICATES = st.sampled_from([BinaryOperator.LESS, BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL])
@@ -34,9 +34,9 @@ def known_in(state: list[int], expressions: Sequence[Expression]) -> Known:
     """What is known where these are all that writes variables; the state gets it."""
     process = Process("P", "P", (Location("a"), Location("b")), (Edge(0, 1, updates=tuple(expressions)),))
     known = known_values(Network((process,), VARIABLES), [])
-    for variable, cells in known.values.items():
+    for variable, slots in known.values.items():
         first = LAYOUT.first[variable]
-        state[first : first + len(cells)] = cells
+        state[first : first + len(slots)] = slots
     return known
 
 
@@ -82,11 +82,11 @@ def test_terms_of_known_numbers_are_what_the_evaluator_computes(updates: list[Ex
     from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Storage
     from tachk.engine.smt.terms import constant
 
-    cells = {(STATE, position): constant(value) for position, value in enumerate(state)}
-    clocks = range(1, len(LAYOUT.clock_cells) + 1)
+    slots = {(STATE, position): constant(value) for position, value in enumerate(state)}
+    clocks = range(1, len(LAYOUT.clock_slots) + 1)
     for clock in clocks:
-        cells[CLOCK_SOURCE, clock], cells[CLOCK_VALUE, clock] = constant(clock), constant(0)
-    machine = Machine(LAYOUT, (constant(0),), Storage(cells, {STATE: LAYOUT.ranges}), lambda *_: False)
+        slots[CLOCK_SOURCE, clock], slots[CLOCK_VALUE, clock] = constant(clock), constant(0)
+    machine = Machine(LAYOUT, (constant(0),), Storage(slots, {STATE: LAYOUT.ranges}), lambda *_: False)
     scratch = environment(list(state))
     expected = outcome(updates, scratch)
     try:
@@ -96,7 +96,7 @@ def test_terms_of_known_numbers_are_what_the_evaluator_computes(updates: list[Ex
     faults = [(fault.condition, fault.kind, fault.span) for fault in machine.faults[:1]]
     assert faults == ([] if expected is None else [(True, *expected)])
     if expected is None:
-        assert [cells[STATE, position].low for position in range(len(state))] == scratch.values
+        assert [slots[STATE, position].low for position in range(len(state))] == scratch.values
         for clock in clocks:
-            found = cells[CLOCK_SOURCE, clock].low, cells[CLOCK_VALUE, clock].low
+            found = slots[CLOCK_SOURCE, clock].low, slots[CLOCK_VALUE, clock].low
             assert found == scratch.resets.get(clock, (clock, 0))

@@ -65,7 +65,7 @@ class Tracer:
 
     clocks: list[str] = field(default_factory=list)
     variables: list[str] = field(default_factory=list)
-    cells: list[str] = field(default_factory=list)
+    slots: list[str] = field(default_factory=list)
     processes: list[tuple[str, list[int], list[int]]] = field(default_factory=list)
     edges: list[list[int]] = field(default_factory=list)
     expressions: dict[int, str] = field(default_factory=dict)
@@ -73,8 +73,8 @@ class Tracer:
     def layout(self, line: str) -> None:
         assert re.fullmatch(LAYOUT, line), line
         number, kind, *_, name = line.split(":")
-        assert int(number) == len(self.cells)
-        self.cells.append(name)
+        assert int(number) == len(self.slots)
+        self.slots.append(name)
         if kind == "clock":
             self.clocks.append(name)
         if kind in ("var", "meta"):
@@ -86,8 +86,8 @@ class Tracer:
         self.processes.append((name, [], []))
 
     def locations(self, line: str) -> None:
-        cell, process, _ = map(int, line.split(":"))
-        self.processes[process][1].append(cell)
+        slot, process, _ = map(int, line.split(":"))
+        self.processes[process][1].append(slot)
 
     def take_edge(self, line: str) -> None:
         edge = [int(part) for part in line.split(":")]
@@ -119,7 +119,7 @@ class Tracer:
         words.pop(0)
         values = [f"{name}={int(words.pop(0))}" for name in self.variables]
         assert words.pop(0) == "."
-        here = [f"{name}.{self.cells[own[int(at)]]}" for at, (name, own, _) in zip(places, self.processes, strict=True)]
+        here = [f"{name}.{self.slots[own[int(at)]]}" for at, (name, own, _) in zip(places, self.processes, strict=True)]
         return " ".join((*here, *values, *bounds))
 
     def transition(self, words: list[str]) -> str:
@@ -134,7 +134,7 @@ class Tracer:
             _, source, target, *labels = self.edges[own[edge]]
             chosen = f" {selects}" if selects else ""
             texts = "; ".join(self.expressions[label] for label in labels)
-            told.append(f"{name}.{self.cells[source]} -> {name}.{self.cells[target]}{chosen} {{{texts}}}")
+            told.append(f"{name}.{self.slots[source]} -> {name}.{self.slots[target]}{chosen} {{{texts}}}")
         words.pop(0)
         return ", ".join(told)
 

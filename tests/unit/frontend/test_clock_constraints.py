@@ -9,7 +9,6 @@ import pytest
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.span import Source
 from tachk.formats.loading.load import load_model
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     Binary,
@@ -22,6 +21,7 @@ from tachk.model.expressions import (
     Unary,
 )
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.variable_layout import variable_layout
 
 DECLARATIONS = "clock x, y, z[2]; int n; bool b, d[2]; struct { clock c; int k; } r; const int N = 2;"
 
@@ -170,7 +170,7 @@ def test_refused_invariants(find: Any, written: str, code: str) -> None:
 def test_a_rate_that_is_neither_0_nor_1_is_a_run_time_error(load: Any) -> None:
     model = load("clock x; int n; process P() { state s { x' == n }; init s; }")
     ((_, rate),) = model.network.processes[0].locations[0].rates
-    layout = cell_layout(model.network)
+    layout = variable_layout(model.network)
     for n in (0, 1):
         assert evaluate(rate, Environment(layout, [1, n])) == n
     with pytest.raises(EvaluationFault) as caught:

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from tachk.base.diagnostics.diagnostic import InputError
-from tachk.model.cell_layout import cell_layout
 from tachk.model.types import ArrayType, BoolType, ChannelType, ClockType, IntType, RecordType, ScalarType
+from tachk.model.variable_layout import variable_layout
 
 
 def variables(model: Any) -> dict[str, Any]:
@@ -16,7 +16,7 @@ def variables(model: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("text", "type_", "cells"),
+    ("text", "type_", "slots"),
     [
         ("int v;", IntType(-32768, 32767), (0,)),
         ("int[2,5] v;", IntType(2, 5), (2,)),
@@ -44,15 +44,15 @@ def variables(model: Any) -> dict[str, Any]:
         ("int v = INT8_MIN;", IntType(), (-128,)),
     ],
 )
-def test_variables(load: Any, text: str, type_: Any, cells: tuple[int, ...]) -> None:
+def test_variables(load: Any, text: str, type_: Any, slots: tuple[int, ...]) -> None:
     variable = variables(load(text))["v"]
-    assert variable.initial == cells
+    assert variable.initial == slots
     if type_ is not None:
         assert variable.type == type_
 
 
 def test_index_range_of_an_array_sized_by_a_type(load: Any) -> None:
-    names = cell_layout(load("int a[int[2,3]];").network).names
+    names = variable_layout(load("int a[int[2,3]];").network).names
     assert names == ("a[2]", "a[3]")
 
 

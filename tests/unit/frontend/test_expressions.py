@@ -8,10 +8,10 @@ import pytest
 
 from tachk.base.span import Source
 from tachk.frontend.loaded import LoadedModel
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import ClockChanges, Environment, evaluate, execute
 from tachk.model.expressions import Constant
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
+from tachk.model.variable_layout import variable_layout
 
 DECLARATIONS = """
 const int N = 3;
@@ -39,12 +39,12 @@ int nothing() { ; return n > 3 ? (n < 9 ? 1 : 2) : 3; }
 
 
 def environment(model: LoadedModel) -> Environment:
-    layout = cell_layout(model.network)
+    layout = variable_layout(model.network)
     return Environment(layout, list(layout.initial))
 
 
 def after(load: Any, update: str) -> tuple[dict[str, int], ClockChanges]:
-    """The cells, and the clock resets, after an update of the initial state."""
+    """The slots, and the clock resets, after an update of the initial state."""
     model = load(DECLARATIONS + f"process P() {{ int local; state s; init s; trans s -> s {{ assign {update}; }}; }}")
     env = environment(model)
     execute(model.network.processes[0].edges[0].updates, env)
@@ -98,7 +98,7 @@ def test_values(load: Any, written: str, value: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("update", "cells"),
+    ("update", "slots"),
     [
         ("n = 1, m := n + 1", {"n": 1, "m": 2}),
         ("n += 3, m *= n", {"n": 7, "m": 35}),
@@ -121,9 +121,9 @@ def test_values(load: Any, written: str, value: int) -> None:
         ("n = m = 2", {"n": 2, "m": 2}),
     ],
 )
-def test_updates(load: Any, update: str, cells: dict[str, int]) -> None:
+def test_updates(load: Any, update: str, slots: dict[str, int]) -> None:
     values, resets = after(load, update)
-    assert {name: values[name] for name in cells} == cells
+    assert {name: values[name] for name in slots} == slots
     assert resets == {}
 
 

@@ -11,10 +11,10 @@ from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.span import Source
 from tachk.base.words import QueryKind
 from tachk.formats.loading.load import load_model
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import LocationTest
 from tachk.model.query import Expectation
+from tachk.model.variable_layout import variable_layout
 from tests.support.queries import elaborate_queries
 
 MODEL = """
@@ -65,8 +65,8 @@ system T, Single;
 def test_predicates(load: Any, predicate: str, expected: bool) -> None:
     loaded = load(MODEL)
     ((query,), _) = elaborate_queries(loaded, f"E<> {predicate}")
-    layout = cell_layout(loaded.network)
-    env = Environment(layout, list(layout.initial), (0, 1, 0, 0), tuple(Fraction(3) for _ in layout.clock_cells))
+    layout = variable_layout(loaded.network)
+    env = Environment(layout, list(layout.initial), (0, 1, 0, 0), tuple(Fraction(3) for _ in layout.clock_slots))
     assert holds(query.predicate, env) is expected
 
 

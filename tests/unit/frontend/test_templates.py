@@ -10,9 +10,9 @@ import pytest
 
 import tachk
 from tachk.base.words import Direction
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate, execute
 from tachk.model.types import ArrayType, IntType, RecordType
+from tachk.model.variable_layout import variable_layout
 
 
 def process(model: Any) -> Any:
@@ -79,7 +79,7 @@ def test_selects_stay_bound_variables_and_shadow(load: Any) -> None:
     model = load(f"typedef int[0,1] id_t; int n; int a[4]; broadcast chan c[4]; process P() {{ {body} }}")
     (edge,) = process(model).edges
     assert [(v.name, v.type) for v in edge.selects] == [("n", IntType(0, 3)), ("k", IntType(0, 1))]
-    layout = cell_layout(model.network)
+    layout = variable_layout(model.network)
     env = Environment(layout, list(layout.initial))
     env.bind(edge.selects[0], 2)
     env.bind(edge.selects[1], 1)
@@ -180,7 +180,7 @@ def test_values_are_passed_through_a_hidden_meta_variable(load: Any) -> None:
     assert hidden["c_value"].type == ArrayType(IntType(), IntType(0, 1))
     assert isinstance(hidden["d_value"].type, RecordType)
     assert all(v.declared_meta for v in hidden.values())
-    layout = cell_layout(model.network)
+    layout = variable_layout(model.network)
     env = Environment(layout, list(layout.initial))
     sender, receiver = model.network.processes
     for number in (0, 1):

@@ -25,16 +25,16 @@ from tachk.meaning.constraints import (
     tidied,
 )
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import BOOL, Binary, QuantifierKind
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import IntType
+from tachk.model.variable_layout import variable_layout
 
 NETWORK = NetworkBuilder()
 X, Y = NETWORK.clock("x"), NETWORK.clock("y")
 N = NETWORK.integer("n", 0, 3)
-LAYOUT = cell_layout(NETWORK.build())
+LAYOUT = variable_layout(NETWORK.build())
 I = bound_variable("i", IntType(0, 2))
 
 COMPARISONS = [
@@ -107,7 +107,7 @@ def test_what_the_left_side_decides_is_not_evaluated_on_the_right() -> None:
 def test_a_comparison_of_three_clocks_is_refused() -> None:
     network = NetworkBuilder()
     x, y, z = network.clock("x"), network.clock("y"), network.clock("z")
-    layout = cell_layout(network.build())
+    layout = variable_layout(network.build())
     with pytest.raises(ValueError, match="two clocks"):
         disjunctive((x - y < z).expression, Environment(layout, [1, 2, 3]))
 

@@ -6,14 +6,14 @@ import pytest
 
 from tachk.base.words import Direction
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import Binary, QuantifierKind, Reference, VariableKind
 from tachk.model.types import ArrayType, ClockType, IntType, RecordType
+from tachk.model.variable_layout import variable_layout
 
 
 def value_of(network: NetworkBuilder, term: Term) -> int:
-    layout = cell_layout(network.build())
+    layout = variable_layout(network.build())
     return evaluate(term.expression, Environment(layout, list(layout.initial)))
 
 

@@ -8,7 +8,6 @@ import pytest
 
 from tachk.base.operators import BinaryOperator
 from tachk.model import evaluate as ev
-from tachk.model.cell_layout import cell_layout
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -42,6 +41,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Network, Process
 from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, VoidType
+from tachk.model.variable_layout import variable_layout
 
 SMALL = IntType(0, 5)
 PAIR = RecordType("pair", (("a", INT), ("b", SMALL)))
@@ -66,7 +66,7 @@ network = Network(
 
 
 def environment(**more: object) -> ev.Environment:
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     return ev.Environment(layout, list(layout.initial), **more)  # type: ignore[arg-type]
 
 
@@ -76,17 +76,17 @@ def binary(left: int, operator: str, right: int) -> Binary:
 
 def fault(expression: Expression) -> RuntimeErrorKind:
     with pytest.raises(EvaluationFault) as caught:
-        ev.evaluate_cells(expression, environment())
+        ev.evaluate_slots(expression, environment())
     return caught.value.kind
 
 
 def test_layout_numbers_clocks_from_one_and_channels_from_zero_and_pins_them() -> None:
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     assert layout.names[-3:] == ("channel", "positive", "P.x")
     assert layout.initial == (7, 2, 1, 2, 3, 1, 2, 3, 4, 1, 2, 0, 3, 3)
     assert layout.first[local_clock] == 13
     assert layout.ranges[13] == (3, 3)
-    assert layout.clock_cells == (9, 10, 13)
+    assert layout.clock_slots == (9, 10, 13)
     assert layout.names[5:7] == ("records[0].a", "records[0].b")
     assert layout.names[2] == "array[2]"
 
@@ -176,7 +176,7 @@ def test_conditional_is_a_place() -> None:
     assert env.values[:2] == [7, 4]
 
 
-def test_aggregates_are_copied_and_compared_cell_by_cell() -> None:
+def test_aggregates_are_copied_and_compared_slot_by_slot() -> None:
     env = environment()
     first, second = (Index(Reference(records), Constant(i), PAIR) for i in (0, 1))
     equal = Binary(BinaryOperator.EQUAL, first, second, BOOL)

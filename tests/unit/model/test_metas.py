@@ -12,7 +12,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.formats.loading.load import load_model
 from tachk.formats.network_document import network_document
 from tachk.formats.network_json.network import network_from_json, network_to_json
-from tachk.model.cell_layout import cell_layout
+from tachk.model.variable_layout import variable_layout
 from tachk.syntax.printing.printer import print_document
 
 DECLARATIONS = """
@@ -91,7 +91,7 @@ def test_a_receiver_reads_what_every_sender_has_written() -> None:
     assert lasting("sync c!; }, s -> s { sync c!; assign m = 2;", "sync c?; assign n = m;") == ["m"]
 
 
-def test_a_receiver_reads_the_cell_of_its_channel() -> None:
+def test_a_receiver_reads_the_slot_of_its_channel() -> None:
     receive = "select j : int[0,1]; sync e[j]?; assign n = t[j];"
     assert lasting("select i : int[0,1]; sync e[i]!; assign t[i] = 2;", receive) == []
     assert lasting("sync e[1]!; assign t[1] = 2;", receive) == []
@@ -117,7 +117,7 @@ def test_what_lasts_is_a_part_of_the_state_everywhere() -> None:
     network = load_model(Source("m.ta", text)).network
     kept, reset = network.variables
     assert (network.resets(kept), network.resets(reset)) == (False, True)
-    assert cell_layout(network).meta == (False, True)
+    assert variable_layout(network).meta == (False, True)
     program, _ = lower(network, [])
     assert [(slot.name, slot.meta) for slot in program.slots if slot.name in ("kept", "reset")] == [
         ("kept", False),

@@ -138,9 +138,9 @@ def test_runs_with_orders_are_runs_of_the_model(policy: Policy) -> None:
     model = prepare(network)
     for run in _runs(network, ["lost=0.3", "lost=send[1][2]:1..2", "falls asleep=now"], 2, 20, policy):
         trace = timed_trace(network, run)
-        cells = len(model.layout.types)
-        assert all(len(state.discrete.values) >= cells for state in trace.states)
-        replay(model, timed_trace(network, run, cells))
+        slots = len(model.layout.types)
+        assert all(len(state.discrete.values) >= slots for state in trace.states)
+        replay(model, timed_trace(network, run, slots))
 
 
 def test_a_fault_that_is_ordered_now_happens_at_its_first_moment() -> None:

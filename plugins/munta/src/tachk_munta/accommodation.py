@@ -13,21 +13,21 @@ from tachk.api.plugin import Conjunction, bound_value
 from tachk_munta.network import IMPOSSIBLE, MuntaEdge, MuntaProcess
 
 
-def order_of_cells(processes: Iterable[MuntaProcess], cells: Collection[int]) -> tuple[int, ...]:
-    """The cells in the order in which `munta` numbers their variables; it insists that they are declared in that order.
+def order_of_slots(processes: Iterable[MuntaProcess], slots: Collection[int]) -> tuple[int, ...]:
+    """The slots in the order in which `munta` numbers their variables; it insists that they are declared in that order.
 
     The order of the lists that stand for sets in the code that Isabelle makes of ``make_renaming``.
     """
     edges = [process.edges for process in processes]
     read = [_union([_read(edge) for edge in own]) for own in edges]
-    written = [_union([_union([[c] for c, _ in edge.writes if c in cells]) for edge in own]) for own in edges]
+    written = [_union([_union([[c] for c, _ in edge.writes if c in slots]) for edge in own]) for own in edges]
     return tuple(_added(_union(read), _union(written)))
 
 
 def _read(edge: MuntaEdge) -> list[int]:
     found: list[int] = []
     for condition in reversed(edge.conditions):
-        found = _added([condition.cell], found)
+        found = _added([condition.slot], found)
     return found
 
 
@@ -39,9 +39,9 @@ def _union(sets: Iterable[list[int]]) -> list[int]:
 
 
 def _added(new: Iterable[int], old: list[int]) -> list[int]:
-    for cell in new:
-        if cell not in old:
-            old = [cell, *old]
+    for slot in new:
+        if slot not in old:
+            old = [slot, *old]
     return old
 
 

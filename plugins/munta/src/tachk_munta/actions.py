@@ -31,7 +31,7 @@ from tachk.api.plugin import (
 from tachk_munta.cases import CaseFinder, KnownContents, MuntaCase, TooManyCasesError
 
 Said = tuple[tuple[int, int], ...]
-"""Cells with the values that a sender has written into them."""
+"""Slots with the values that a sender has written into them."""
 
 
 def unsupported(what: str, span: Span, help_: str | None = None) -> UnsupportedError:
@@ -45,7 +45,7 @@ class CaseEffect:
     Attributes:
         guard: on clocks.
         channel: the number of the channel; None for an internal edge.
-        writes: cells with their new content.
+        writes: slots with their new content.
         resets: the clocks that become 0.
     """
 
@@ -61,7 +61,7 @@ class SelectedEdge:
 
     Attributes:
         direction: None for an internal edge.
-        read_before: the cells whose content the updates read from before the transition.
+        read_before: the slots whose content the updates read from before the transition.
     """
 
     participant: Participant
@@ -74,7 +74,7 @@ class SelectedEdge:
 
     @property
     def written(self) -> frozenset[int]:
-        return frozenset(cell for case in self.cases for cell, _ in case.outcome.writes)
+        return frozenset(slot for case in self.cases for slot, _ in case.outcome.writes)
 
     def over(self, channel: int) -> bool:
         return any(case.outcome.channel == channel for case in self.cases)
@@ -126,7 +126,7 @@ class ActionFinder:
         )
 
     def _cases(self, participant: Participant, said: Said, read_before: set[int]) -> tuple[MuntaCase[CaseEffect], ...]:
-        """The effect of an edge, if its updates find cells with other contents than its guard did; collects what they
+        """The effect of an edge, if its updates find slots with other contents than its guard did; collects what they
         read."""
         edge = self.model.edge(participant)
 
@@ -136,8 +136,8 @@ class ActionFinder:
             if not guard:
                 return None
             channel = channel_named(self.model, participant, environment)
-            for cell, value in said:
-                contents.settle(cell, value)
+            for slot, value in said:
+                contents.settle(slot, value)
             contents.read.clear()
             try:
                 execute(edge.updates, environment)
@@ -153,8 +153,8 @@ class ActionFinder:
         try:
             return tuple(self.finder.find(outcome))
         except TooManyCasesError as error:
-            name = self.model.layout.names[error.cell]
-            raise too_many_cases(name, self.finder.range_of(error.cell), span) from None
+            name = self.model.layout.names[error.slot]
+            raise too_many_cases(name, self.finder.range_of(error.slot), span) from None
 
     def _guard(self, participant: Participant, environment: Environment) -> Disjunction:
         edge = self.model.edge(participant)
@@ -164,10 +164,10 @@ class ActionFinder:
         self, guard: Disjunction, channel: int | None, environment: Environment, contents: KnownContents, span: Span
     ) -> CaseEffect:
         layout = self.model.layout
-        writes = tuple((cell, list.__getitem__(contents, cell)) for cell in sorted(contents.written))
+        writes = tuple((slot, list.__getitem__(contents, slot)) for slot in sorted(contents.written))
         for clock, (source, value) in environment.resets.items():
             if source or value:
-                name = layout.names[layout.clock_cells[clock - 1]]
+                name = layout.names[layout.clock_slots[clock - 1]]
                 what = "the value of a clock" if source else value
                 raise unsupported(f"clocks that are set to another value than 0, here `{name}` to {what}", span)
         return CaseEffect(guard, channel, writes, tuple(sorted(environment.resets)))

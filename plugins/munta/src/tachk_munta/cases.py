@@ -1,4 +1,4 @@
-"""The result of an expression in all discrete states, case by case: only the cells that it reads distinguish cases."""
+"""The result of an expression in all discrete states, case by case: only the slots that it reads distinguish cases."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any, Generic, SupportsIndex, TypeVar
 
 from tachk.api.plugin import (
-    CellLayout,
     Environment,
     EvaluationFault,
     Network,
     PreparedNetwork,
-    cell_count,
+    VariableLayout,
     process_expressions,
+    slot_count,
     written_variables,
 )
 
@@ -26,10 +26,10 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class CellCondition:
-    """The content of a cell is in ``[low, high]``; a negative cell ``-1 - p`` is the location of process p."""
+class SlotCondition:
+    """The content of a slot is in ``[low, high]``; a negative slot ``-1 - p`` is the location of process p."""
 
-    cell: int
+    slot: int
     low: int
     high: int
 
@@ -38,36 +38,36 @@ class CellCondition:
 class MuntaCase(Generic[T]):
     """The result where all conditions hold."""
 
-    conditions: tuple[CellCondition, ...]
+    conditions: tuple[SlotCondition, ...]
     outcome: T
 
 
 class TooManyCasesError(Exception):
-    """An expression reads too many cells for a list of cases.
+    """An expression reads too many slots for a list of cases.
 
     Attributes:
-        cell: one that it reads.
+        slot: one that it reads.
     """
 
-    def __init__(self, cell: int) -> None:
-        super().__init__(cell)
-        self.cell = cell
+    def __init__(self, slot: int) -> None:
+        super().__init__(slot)
+        self.slot = slot
 
 
 class _UnreadError(Exception):
-    """The content of a cell is needed."""
+    """The content of a slot is needed."""
 
-    def __init__(self, cell: int) -> None:
-        super().__init__(cell)
-        self.cell = cell
+    def __init__(self, slot: int) -> None:
+        super().__init__(slot)
+        self.slot = slot
 
 
 class KnownContents(list[int]):
-    """The contents of cells as far as they are known.
+    """The contents of slots as far as they are known.
 
     Attributes:
-        read: the cells that were read since this was last emptied, unless they had been written before.
-        written: the cells that were written.
+        read: the slots that were read since this was last emptied, unless they had been written before.
+        written: the slots that were written.
     """
 
     def __init__(self, contents: Sequence[int], unknown: frozenset[int], offset: int = 0) -> None:
@@ -78,47 +78,47 @@ class KnownContents(list[int]):
         self.written: set[int] = set()
 
     def __getitem__(self, position: SupportsIndex | slice) -> Any:
-        for cell in self._cells(position):
-            if cell not in self.written:
-                self.read.add(cell)
-                if cell in self._unknown:
-                    raise _UnreadError(cell if not self._offset else self._offset - cell)
+        for slot in self._slots(position):
+            if slot not in self.written:
+                self.read.add(slot)
+                if slot in self._unknown:
+                    raise _UnreadError(slot if not self._offset else self._offset - slot)
         return super().__getitem__(position)
 
     def __setitem__(self, position: SupportsIndex | slice, value: Any) -> None:
-        self.written.update(self._cells(position))
+        self.written.update(self._slots(position))
         super().__setitem__(position, value)
 
-    def settle(self, cell: int, value: int) -> None:
-        """Sets the content of a cell from now on; that counts neither as read nor as written."""
-        super().__setitem__(cell, value)
-        self._unknown -= {cell}
+    def settle(self, slot: int, value: int) -> None:
+        """Sets the content of a slot from now on; that counts neither as read nor as written."""
+        super().__setitem__(slot, value)
+        self._unknown -= {slot}
 
-    def _cells(self, position: SupportsIndex | slice) -> Sequence[int]:
+    def _slots(self, position: SupportsIndex | slice) -> Sequence[int]:
         return range(*position.indices(len(self))) if isinstance(position, slice) else (position.__index__(),)
 
 
 @dataclass(frozen=True, slots=True)
 class CaseFinder:
     """Attributes:
-    unknown: the cells whose content differs between states; all others always have what they begin with.
+    unknown: the slots whose content differs between states; all others always have what they begin with.
     sizes: how many locations each process has.
-    ranges: of each cell, what it may hold.
+    ranges: of each slot, what it may hold.
     """
 
-    layout: CellLayout
+    layout: VariableLayout
     unknown: frozenset[int]
     sizes: tuple[int, ...]
     ranges: tuple[tuple[int, int], ...]
 
-    def range_of(self, cell: int) -> tuple[int, int]:
-        """A cell, or the location of a process: the subject of a condition."""
-        return self.ranges[cell] if cell >= 0 else (0, self.sizes[-1 - cell] - 1)
+    def range_of(self, slot: int) -> tuple[int, int]:
+        """A slot, or the location of a process: the subject of a condition."""
+        return self.ranges[slot] if slot >= 0 else (0, self.sizes[-1 - slot] - 1)
 
     def find(self, outcome: Callable[[Environment, KnownContents], T | None]) -> list[MuntaCase[T]]:
         """The cases that have an outcome. Where the expression has a run-time error there is none.
 
-        Neighbouring values of a cell that make no difference are one case. Raises TooManyCasesError.
+        Neighbouring values of a slot that make no difference are one case. Raises TooManyCasesError.
         """
         budget = iter(range(MOST_CASES))
         return list(self._cases(outcome, {}, budget))
@@ -134,17 +134,17 @@ class CaseFinder:
         except EvaluationFault:
             return ()
         except _UnreadError as unread:
-            cell = unread.cell
+            slot = unread.slot
         else:
             return () if found is None else (MuntaCase((), found),)
-        low, high = self.range_of(cell)
+        low, high = self.range_of(slot)
         if high - low >= LARGEST_RANGE:
-            raise TooManyCasesError(cell)
+            raise TooManyCasesError(slot)
         groups: list[tuple[int, int, tuple[MuntaCase[T], ...]]] = []
         for value in range(low, high + 1):
             if next(budget, None) is None:
-                raise TooManyCasesError(cell)
-            inner = self._cases(outcome, {**chosen, cell: value}, budget)
+                raise TooManyCasesError(slot)
+            inner = self._cases(outcome, {**chosen, slot: value}, budget)
             if groups and groups[-1][2] == inner:
                 groups[-1] = (groups[-1][0], value, inner)
             else:
@@ -152,13 +152,13 @@ class CaseFinder:
         if len(groups) == 1:
             return groups[0][2]
         return tuple(
-            MuntaCase((CellCondition(cell, first, last), *case.conditions), case.outcome)
+            MuntaCase((SlotCondition(slot, first, last), *case.conditions), case.outcome)
             for first, last, cases in groups
             for case in cases
         )
 
     def _environment(self, chosen: Mapping[int, int]) -> tuple[Environment, KnownContents]:
-        contents = [chosen.get(cell, value) for cell, value in enumerate(self.layout.initial)]
+        contents = [chosen.get(slot, value) for slot, value in enumerate(self.layout.initial)]
         values = KnownContents(contents, self.unknown - chosen.keys())
         processes = range(len(self.sizes))
         locations = KnownContents(
@@ -176,16 +176,16 @@ def case_finder(model: PreparedNetwork, ranges: Mapping[int, tuple[int, int]] | 
     layout = model.layout
     smaller = ranges or {}
     unknown = {
-        cell
+        slot
         for variable in _written(model.network)
-        for cell in range(layout.first[variable], layout.first[variable] + cell_count(variable.type))
-        if not layout.meta[cell] and layout.ranges[cell][0] != layout.ranges[cell][1]
+        for slot in range(layout.first[variable], layout.first[variable] + slot_count(variable.type))
+        if not layout.meta[slot] and layout.ranges[slot][0] != layout.ranges[slot][1]
     }
     return CaseFinder(
         layout,
         frozenset(unknown),
         tuple(len(p.locations) for p in model.network.processes),
-        tuple(smaller.get(cell, declared) for cell, declared in enumerate(layout.ranges)),
+        tuple(smaller.get(slot, declared) for slot, declared in enumerate(layout.ranges)),
     )
 
 

@@ -43,7 +43,7 @@ def certificate_of(munta: MuntaNetwork, blocks: Iterable[StateBlock], clocks: in
             for state in _states(munta, row):
                 states.setdefault(state, {}).update(bounds)
             zone += count
-    header = _words([_MAGIC, len(munta.processes), len(own_clocks), len(munta.variables.cells), len(states)])
+    header = _words([_MAGIC, len(munta.processes), len(own_clocks), len(munta.variables.slots), len(states)])
     return header + b"".join(_words([*state, len(zones)]) + b"".join(zones) for state, zones in states.items())
 
 
@@ -52,11 +52,11 @@ def _words(numbers: Iterable[int]) -> bytes:
 
 
 def _states(munta: MuntaNetwork, row: list[int]) -> Iterator[tuple[int, ...]]:
-    """Munta's numbers for a discrete state: locations of the network's processes, then its cells. There are several
+    """Munta's numbers for a discrete state: locations of the network's processes, then its slots. There are several
     where an added process may be in several locations."""
     own = sum(1 for process in munta.processes if not process.added)
     variables = munta.variables
-    contents = [(row[own + cell] if cell >= 0 else row[-1 - cell]) - variables.starts[cell] for cell in variables.cells]
+    contents = [(row[own + slot] if slot >= 0 else row[-1 - slot]) - variables.starts[slot] for slot in variables.slots]
     choices = (
         [places.index(place) for place in (process.added or (row[number],))]
         for number, (process, places) in enumerate(zip(munta.processes, munta.places, strict=True))

@@ -27,7 +27,7 @@ from tachk.api.plugin import (
     walk,
 )
 from tachk_munta.actions import clock_conjunctions, too_many_cases, unsupported
-from tachk_munta.cases import CaseFinder, CellCondition, KnownContents, MuntaCase, TooManyCasesError
+from tachk_munta.cases import CaseFinder, KnownContents, MuntaCase, SlotCondition, TooManyCasesError
 from tachk_munta.network import Variables
 
 
@@ -52,7 +52,7 @@ class Some:
     parts: tuple[Formula, ...]
 
 
-Formula = CellCondition | Clocks | Every | Some
+Formula = SlotCondition | Clocks | Every | Some
 
 TRUE, FALSE = Every(()), Some(())
 
@@ -109,7 +109,7 @@ class FormulaFinder:
         try:
             return self.finder.find(outcome)  # type: ignore[arg-type]
         except TooManyCasesError as error:
-            raise too_many_cases("its value", self.finder.range_of(error.cell), span) from None
+            raise too_many_cases("its value", self.finder.range_of(error.slot), span) from None
 
 
 def _case(case: MuntaCase[Disjunction]) -> Formula:
@@ -133,33 +133,33 @@ def has_clocks(formula: Formula) -> bool:
     match formula:
         case Clocks():
             return True
-        case CellCondition():
+        case SlotCondition():
             return False
         case Every(parts) | Some(parts):
             return any(map(has_clocks, parts))
 
 
-def cells_in(formula: Formula) -> set[int]:
+def slots_in(formula: Formula) -> set[int]:
     match formula:
         case Clocks():
             return set()
-        case CellCondition(cell):
-            return {cell}
+        case SlotCondition(slot):
+            return {slot}
         case Every(parts) | Some(parts):
-            return {cell for part in parts for cell in cells_in(part)}
+            return {slot for part in parts for slot in slots_in(part)}
 
 
-def alternatives(formula: Formula) -> list[tuple[tuple[CellCondition, ...], Conjunction]]:
+def alternatives(formula: Formula) -> list[tuple[tuple[SlotCondition, ...], Conjunction]]:
     """The disjunctive normal form."""
     match formula:
         case Clocks(conjunction):
             return [((), conjunction)]
-        case CellCondition():
+        case SlotCondition():
             return [((formula,), ())]
         case Some(parts):
             return [one for part in parts for one in alternatives(part)]
         case Every(parts):
-            found: list[tuple[tuple[CellCondition, ...], Conjunction]] = [((), ())]
+            found: list[tuple[tuple[SlotCondition, ...], Conjunction]] = [((), ())]
             for part in parts:
                 found = [(a + c, b + d) for a, b in found for c, d in alternatives(part)]
                 if len(found) > MOST_ALTERNATIVES:
@@ -174,11 +174,11 @@ def written(formula: Formula, names: Mapping[tuple[int, int], str], variables: V
         names: of the locations that Munta knows, by process and location: ``P.loc``.
     """
     match formula:
-        case CellCondition(cell, low, high) if cell < 0:
-            process = -1 - cell
+        case SlotCondition(slot, low, high) if slot < 0:
+            process = -1 - slot
             inside = [names[process, n] for n in range(low, high + 1) if (process, n) in names]
             return _text(" || ", inside, outer, next(iter(names.values())))
-        case CellCondition():
+        case SlotCondition():
             return variables.condition(formula)
         case Some(parts):
             texts = [written(part, names, variables) for part in parts]

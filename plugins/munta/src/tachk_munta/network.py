@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from tachk.api.plugin import Conjunction, bound_value, is_strict
-from tachk_munta.cases import CellCondition
+from tachk_munta.cases import SlotCondition
 
 IMPOSSIBLE = "never?"
 """A label of edges that are never taken: no process sends over this channel."""
@@ -18,12 +18,12 @@ IMPOSSIBLE = "never?"
 class MuntaEdge:
     """Attributes:
     source, target: locations of the process.
-    writes: cells with their new content.
+    writes: slots with their new content.
     """
 
     source: int
     target: int
-    conditions: tuple[CellCondition, ...] = ()
+    conditions: tuple[SlotCondition, ...] = ()
     clocks: Conjunction = ()
     label: str = ""
     writes: tuple[tuple[int, int], ...] = ()
@@ -63,27 +63,27 @@ class MuntaProcess:
 
 @dataclass(frozen=True, slots=True)
 class Variables:
-    """The cells that Munta has variables for, negative ones for locations of processes, and the clocks.
+    """The slots that Munta has variables for, negative ones for locations of processes, and the clocks.
 
     Attributes:
-        cells: in the order of Munta's variables.
+        slots: in the order of Munta's variables.
         clocks: their numbers, in the order of Munta's clocks.
         starts: what is 0 in Munta, where all variables begin with 0.
     """
 
-    cells: tuple[int, ...]
+    slots: tuple[int, ...]
     clocks: tuple[int, ...]
     names: dict[int, str]
     clock_names: dict[int, str]
     starts: dict[int, int]
     ranges: dict[int, tuple[int, int]]
 
-    def condition(self, condition: CellCondition) -> str:
-        name, start = self.names[condition.cell], self.starts[condition.cell]
+    def condition(self, condition: SlotCondition) -> str:
+        name, start = self.names[condition.slot], self.starts[condition.slot]
         low, high = condition.low, condition.high
         if low == high:
             return f"{name} == {low - start}"
-        all_low, all_high = self.ranges[condition.cell]
+        all_low, all_high = self.ranges[condition.slot]
         parts = [f"{name} >= {low - start}"] * (low > all_low) + [f"{name} <= {high - start}"] * (high < all_high)
         return " && ".join(parts)
 
@@ -94,7 +94,7 @@ class Variables:
             return f"{self.clock_names[i]} {'<' if strict else '<='} {value}"
         return f"{self.clock_names[j]} {'>' if strict else '>='} {-value}"
 
-    def guard(self, conditions: Iterable[CellCondition], clocks: Conjunction) -> str:
+    def guard(self, conditions: Iterable[SlotCondition], clocks: Conjunction) -> str:
         return " && ".join([*map(self.condition, conditions), *map(self.clock, clocks)])
 
     def update(self, edge: MuntaEdge) -> str:
@@ -119,9 +119,9 @@ class MuntaNetwork:
         """The content of the model file (.muntax)."""
         variables = self.variables
         bounds = (
-            f"{variables.names[cell]}[{low - variables.starts[cell]}:{high - variables.starts[cell]}]"
-            for cell in variables.cells
-            for low, high in [variables.ranges[cell]]
+            f"{variables.names[slot]}[{low - variables.starts[slot]}:{high - variables.starts[slot]}]"
+            for slot in variables.slots
+            for low, high in [variables.ranges[slot]]
         )
         document = {
             "automata": [self._automaton(p, places) for p, places in zip(self.processes, self.places, strict=True)],
@@ -163,7 +163,7 @@ class MuntaNetwork:
         """The content of the file that names what each number in a certificate stands for."""
         variables = self.variables
         document = {
-            "vars": {variables.names[cell]: n for n, cell in enumerate(variables.cells)},
+            "vars": {variables.names[slot]: n for n, slot in enumerate(variables.slots)},
             "clocks": {"0": 0} | {variables.clock_names[clock]: n for n, clock in enumerate(variables.clocks, 1)},
             "processes": {process.name: n for n, process in enumerate(self.processes)},
             "locations": {

@@ -109,7 +109,7 @@ def _write(folder: Path, name: str, proof: MuntaProof) -> None:
 
 
 def _ranges(blocks: Iterable[StateBlock], processes: int) -> dict[int, tuple[int, int]]:
-    """The least and the largest value of each cell in a set of states."""
+    """The least and the largest value of each slot in a set of states."""
     found = [(block.discretes.min(axis=0), block.discretes.max(axis=0)) for block in blocks]
     low, high = (np.array(ends)[:, processes:] for ends in zip(*found, strict=True))
-    return {cell: (int(low[:, cell].min()), int(high[:, cell].max())) for cell in range(low.shape[1])}
+    return {slot: (int(low[:, slot].min()), int(high[:, slot].max())) for slot in range(low.shape[1])}

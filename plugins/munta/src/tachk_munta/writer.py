@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 from tachk.api.plugin import (
     BOOL,
-    CellLayout,
     Constant,
     Deadlock,
     Direction,
@@ -19,10 +18,11 @@ from tachk.api.plugin import (
     Span,
     Unary,
     UnaryOperator,
+    VariableLayout,
     begun_clocks,
     prepare,
 )
-from tachk_munta.accommodation import add_ceilings, order_of_cells
+from tachk_munta.accommodation import add_ceilings, order_of_slots
 from tachk_munta.actions import (
     ActionFinder,
     CaseEffect,
@@ -39,8 +39,8 @@ from tachk_munta.formula import (
     FormulaFinder,
     TooManyAlternativesError,
     alternatives,
-    cells_in,
     has_clocks,
+    slots_in,
     written,
 )
 from tachk_munta.network import IMPOSSIBLE, MuntaEdge, MuntaNames, MuntaNetwork, MuntaProcess, Variables
@@ -74,7 +74,7 @@ def to_munta(network: Network, query: Query, ranges: Mapping[int, tuple[int, int
     """The network, with the observer of the query if it has one, and the question for a state that decides the query.
 
     Args:
-        ranges: for some cells a part of their range. The question is then also for whether they ever leave it.
+        ranges: for some slots a part of their range. The question is then also for whether they ever leave it.
 
     Raises UnsupportedError: E0803, with the place of the construct that Munta lacks.
     """
@@ -121,7 +121,7 @@ class _MuntaWriter:
     outside: dict[tuple[int, int], int] = field(default_factory=dict)
 
     @property
-    def layout(self) -> CellLayout:
+    def layout(self) -> VariableLayout:
         return self.model.layout
 
     def run(self, target: Expression, span: Span) -> MuntaModel:
@@ -197,9 +197,9 @@ class _MuntaWriter:
                     self._add(processes, action, _over(action, channel), label)
 
     def _span(self, channel: int) -> Span:
-        cell = self.layout.channel_cells[channel]
+        slot = self.layout.channel_slots[channel]
         variables = self.model.network.all_variables()
-        return max((v for v in variables if self.layout.first[v] <= cell), key=self.layout.first.__getitem__).span
+        return max((v for v in variables if self.layout.first[v] <= slot), key=self.layout.first.__getitem__).span
 
     def _check_broadcast(self, channel: int, receivers: Sequence[SelectedEdge]) -> None:
         for receiver in receivers:
@@ -224,11 +224,11 @@ class _MuntaWriter:
         processes: Sequence[MuntaProcess],
     ) -> None:
         """A broadcast channel for all that senders may have written which receivers need."""
-        needed = frozenset(cell for receiver in receivers for cell in receiver.read_before)
+        needed = frozenset(slot for receiver in receivers for slot in receiver.read_before)
         sent: dict[Said, list[tuple[SelectedEdge, MuntaCase[CaseEffect]]]] = {}
         for sender in senders:
             for case in _over(sender, channel):
-                said = tuple((cell, value) for cell, value in case.outcome.writes if cell in needed)
+                said = tuple((slot, value) for slot, value in case.outcome.writes if slot in needed)
                 sent.setdefault(said, []).append((sender, case))
         for said, sendings in sent.items():
             name = self._channel_name(channel)
@@ -261,7 +261,7 @@ class _MuntaWriter:
                     processes[other].edges.append(MuntaEdge(receiver.source, receiver.target, label=f"{name}?"))
 
     def _channel_name(self, channel: int) -> str:
-        return self.names.fresh(self.layout.names[self.layout.channel_cells[channel]])
+        return self.names.fresh(self.layout.names[self.layout.channel_slots[channel]])
 
     def _add(
         self,
@@ -270,12 +270,12 @@ class _MuntaWriter:
         cases: Iterable[MuntaCase[CaseEffect]],
         label: str,
     ) -> None:
-        """Adds an edge for each case and alternative. It leads to a location of its own if a cell leaves its range."""
+        """Adds an edge for each case and alternative. It leads to a location of its own if a slot leaves its range."""
         number = action.participant.process
         for case in cases:
-            writes = tuple((cell, value) for cell, value in case.outcome.writes if not self.layout.meta[cell])
+            writes = tuple((slot, value) for slot, value in case.outcome.writes if not self.layout.meta[slot])
             target = action.target
-            if any(not low <= value <= high for cell, value in writes for low, high in [self.finder.range_of(cell)]):
+            if any(not low <= value <= high for slot, value in writes for low, high in [self.finder.range_of(slot)]):
                 target, writes = self._outside(number, processes[number], target), ()
             processes[number].edges += (
                 MuntaEdge(action.source, target, case.conditions, clocks, label, writes, case.outcome.resets)
@@ -283,7 +283,7 @@ class _MuntaWriter:
             )
 
     def _outside(self, number: int, process: MuntaProcess, target: int) -> int:
-        """A location of a process that means: a cell has left its range on the way to a location. It has the invariant
+        """A location of a process that means: a slot has left its range on the way to a location. It has the invariant
         of that location, for without it more edges could be taken."""
         if (number, target) not in self.outside:
             self.outside[number, target] = process.added_location("outside")
@@ -301,7 +301,7 @@ class _MuntaWriter:
             conjunctions = alternatives(formula)
         except TooManyAlternativesError:
             raise unsupported("conditions on clocks with so many alternatives", span) from None
-        for number in sorted({-1 - cell for cell in cells_in(formula) if cell < 0}):
+        for number in sorted({-1 - slot for slot in slots_in(formula) if slot < 0}):
             process = processes[number]
             process.edges = [
                 replace(e, writes=(*e.writes, (-1 - number, e.target)))
@@ -320,7 +320,7 @@ class _MuntaWriter:
                     MuntaEdge(source, place, conditions, clocks)
                     for source in sorted(process.committed)
                     for conditions, clocks in conjunctions
-                    if all(c.low <= source <= c.high for c in conditions if c.cell == -1 - number)
+                    if all(c.low <= source <= c.high for c in conditions if c.slot == -1 - number)
                 ]
         processes.append(watch)
         return reached
@@ -340,29 +340,29 @@ class _MuntaWriter:
         for process in processes:
             if all(edge.source != process.initial for edge in process.edges):
                 process.edges.append(MuntaEdge(process.initial, process.initial, label=IMPOSSIBLE))
-        named = {c.cell for process in processes for edge in process.edges for c in edge.conditions}
-        named |= {cell for process in processes for edge in process.edges for cell, _ in edge.writes}
+        named = {c.slot for process in processes for edge in process.edges for c in edge.conditions}
+        named |= {slot for process in processes for edge in process.edges for slot, _ in edge.writes}
         first = processes[0]
-        for cell in sorted(cell for cell in cells_in(formula) - named if cell >= 0):
+        for slot in sorted(slot for slot in slots_in(formula) - named if slot >= 0):
             first.edges.append(
-                MuntaEdge(first.initial, first.initial, label=IMPOSSIBLE, writes=((cell, self.layout.initial[cell]),))
+                MuntaEdge(first.initial, first.initial, label=IMPOSSIBLE, writes=((slot, self.layout.initial[slot]),))
             )
 
     def _variables(self, formula: Formula, processes: Sequence[MuntaProcess]) -> Variables:
         edges = [edge for process in processes for edge in process.edges]
-        read = {c.cell for edge in edges for c in edge.conditions} | {cell for cell in cells_in(formula) if cell >= 0}
+        read = {c.slot for edge in edges for c in edge.conditions} | {slot for slot in slots_in(formula) if slot >= 0}
         constraints = [c for edge in edges for c in edge.clocks]
         constraints += [c for process in processes for invariant in process.invariants for c in invariant]
         clocks = tuple(sorted({i or j for i, j, _ in constraints}))
-        cells = order_of_cells(processes, read)
+        slots = order_of_slots(processes, read)
         initial = [process.initial for process in processes]
         return Variables(
-            cells,
+            slots,
             clocks,
-            {c: self.names.fresh(self.layout.names[c] if c >= 0 else f"at {processes[-1 - c].name}") for c in cells},
-            {clock: self.names.fresh(self.layout.names[self.layout.clock_cells[clock - 1]]) for clock in clocks},
-            {c: self.layout.initial[c] if c >= 0 else initial[-1 - c] for c in cells},
-            {c: self.finder.range_of(c) for c in cells},
+            {c: self.names.fresh(self.layout.names[c] if c >= 0 else f"at {processes[-1 - c].name}") for c in slots},
+            {clock: self.names.fresh(self.layout.names[self.layout.clock_slots[clock - 1]]) for clock in clocks},
+            {c: self.layout.initial[c] if c >= 0 else initial[-1 - c] for c in slots},
+            {c: self.finder.range_of(c) for c in slots},
         )
 
 

@@ -27,8 +27,8 @@ class Opcode(IntEnum):
     """INDEX low size stride: slot i -- slot + (i - low) * stride; error INDEX if i is outside [low, low + size)"""
     COPY = 7
     """COPY n: destination source -- ; copies n slots with range checks, safe for overlap"""
-    EQUAL_CELLS = 8
-    """EQUAL_CELLS n: slot slot -- 0|1"""
+    EQUAL_SLOTS = 8
+    """EQUAL_SLOTS n: slot slot -- 0|1"""
     RESET = 9
     """clock value -- ; sets a clock; error NEGATIVE_CLOCK if value < 0"""
     DUPLICATE = 10

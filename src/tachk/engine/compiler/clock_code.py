@@ -59,7 +59,7 @@ def _contains_clocks(type_: Type) -> bool:
     return any(isinstance(leaf, ClockType | ChannelType) for _, leaf in leaves(type_))
 
 
-def refuse_clock_cells(expression: Expression) -> None:
+def refuse_clock_slots(expression: Expression) -> None:
     """Raises UnsupportedError for a copy of a value that contains clocks."""
     if _contains_clocks(expression.type):
         raise UnsupportedError(

@@ -16,7 +16,7 @@ from tachk.base.operators import CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.span import Span
 from tachk.engine.compiler.assembler import Assembler, JumpLabel
 from tachk.engine.compiler.bytecode import Opcode
-from tachk.engine.compiler.clock_code import clock_comparison_unsupported, refuse_clock_cells, set_clock
+from tachk.engine.compiler.clock_code import clock_comparison_unsupported, refuse_clock_slots, set_clock
 from tachk.engine.compiler.functions import FunctionGenerator
 from tachk.engine.compiler.slot_layout import SlotLayout
 from tachk.model.expressions import (
@@ -49,8 +49,8 @@ from tachk.model.types import (
     RecordType,
     ScalarType,
     bounds,
-    cell_count,
     is_aggregate,
+    slot_count,
 )
 
 _UNARY = {UnaryOperator.NOT: Opcode.NOT, UnaryOperator.MINUS: Opcode.NEGATE}
@@ -79,7 +79,7 @@ class CodeGenerator:
         self.assembler.emit(Opcode.END)
         return start
 
-    def cells_code(self, expression: Expression, known: Known | None = None) -> int:
+    def slots_code(self, expression: Expression, known: Known | None = None) -> int:
         """Code for the slot in which the value of an array or record begins, such as a floating point number."""
         start = len(self.assembler.code)
         self.address(fold(expression, known or self.known))
@@ -237,7 +237,7 @@ class CodeGenerator:
         elif is_aggregate(left.type):
             self._stable_address(left, right)
             self.address(right)
-            emit(Opcode.EQUAL_CELLS, cell_count(left.type))
+            emit(Opcode.EQUAL_SLOTS, slot_count(left.type))
             match operator:
                 case BinaryOperator.EQUAL:
                     pass
@@ -397,7 +397,7 @@ class CodeGenerator:
                 assert isinstance(base.type, ArrayType)
                 self.address(base)
                 self.value(index)
-                stride = cell_count(base.type.element)
+                stride = slot_count(base.type.element)
                 emit(Opcode.INDEX, base.type.low, base.type.size, stride, span=span)
             case Field(base, name):
                 assert isinstance(base.type, RecordType)
@@ -422,18 +422,18 @@ class CodeGenerator:
                 self.address(target)
                 emit(Opcode.DUPLICATE)
                 self._aggregate_value(expression.value)
-                emit(Opcode.COPY, cell_count(target.type), span=expression.span)
+                emit(Opcode.COPY, slot_count(target.type), span=expression.span)
             case Call(function) if function.operation is not None:
                 self._operate(expression, function.operation)
             case Call(function) if is_aggregate(function.result):
                 self._functions.call(expression)
-                temporary = self.layout.temporary(cell_count(function.result))
+                temporary = self.layout.temporary(slot_count(function.result))
                 emit(Opcode.CONST, temporary)
                 emit(Opcode.CONST, self._functions.result_slot(function))
-                emit(Opcode.COPY, cell_count(function.result))
+                emit(Opcode.COPY, slot_count(function.result))
                 emit(Opcode.CONST, temporary)
             case Aggregate(items):
-                temporary = self.layout.temporary(cell_count(expression.type))
+                temporary = self.layout.temporary(slot_count(expression.type))
                 self._fill(temporary, items)
                 emit(Opcode.CONST, temporary)
             case _:
@@ -454,43 +454,43 @@ class CodeGenerator:
             self.address(call.arguments[1])
         else:
             emit(Opcode.CONST, 0)
-        slot = self.layout.temporary(cell_count(operation.result))
+        slot = self.layout.temporary(slot_count(operation.result))
         emit(Opcode.FLOATING, operation, slot, span=call.span)
 
     def _fill(self, slot: int, items: tuple[Expression, ...]) -> None:
         for item in items:
-            cells = cell_count(item.type)
+            size = slot_count(item.type)
             if is_aggregate(item.type):
                 self.assembler.emit(Opcode.CONST, slot)
                 self.address(item)
-                self.assembler.emit(Opcode.COPY, cells)
+                self.assembler.emit(Opcode.COPY, size)
             else:
                 self.value(item)
                 self.assembler.emit(Opcode.STORE, slot)
-            slot += cells
+            slot += size
 
     def _stable_address(self, expression: Expression, *later: Expression) -> None:
-        """Like `_address`, but what is evaluated later cannot change the cells any more."""
+        """Like `_address`, but what is evaluated later cannot change the slots any more."""
         if any(may_change(node) for each in later for node in walk(each)):
-            temporary = self.layout.temporary(cell_count(expression.type))
+            temporary = self.layout.temporary(slot_count(expression.type))
             self.copy_into(temporary, expression, expression.span)
             self.assembler.emit(Opcode.CONST, temporary)
         else:
             self.address(expression)
 
     def _aggregate_value(self, expression: Expression) -> None:
-        refuse_clock_cells(expression)
+        refuse_clock_slots(expression)
         self.address(expression)
 
     def _assign_aggregate(self, expression: Assign) -> None:
         self.address(expression.target)
         self._aggregate_value(expression.value)
-        self.assembler.emit(Opcode.COPY, cell_count(expression.target.type), span=expression.span)
+        self.assembler.emit(Opcode.COPY, slot_count(expression.target.type), span=expression.span)
 
     def copy_into(self, slot: int, value: Expression, span: Span) -> None:
         self.assembler.emit(Opcode.CONST, slot)
         self._aggregate_value(value)
-        self.assembler.emit(Opcode.COPY, cell_count(value.type), span=span)
+        self.assembler.emit(Opcode.COPY, slot_count(value.type), span=span)
 
 
 def _value_range(variable: Variable) -> tuple[int, int]:

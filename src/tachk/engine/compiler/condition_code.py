@@ -9,7 +9,7 @@ from tachk.analysis.conditions import ClockAtom, Conjunction, conjuncts
 from tachk.analysis.divisors import divisor
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, cannot_fail, fold, fold_place, is_integer
-from tachk.analysis.intervals import interval, possible_cells
+from tachk.analysis.intervals import interval, possible_slots
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, UnaryOperator
 from tachk.base.span import Span
@@ -18,7 +18,6 @@ from tachk.engine.compiler.codegen import CodeGenerator
 from tachk.engine.compiler.hybrid import flow_test
 from tachk.engine.compiler.program import NO_CODE, ClockConstraint, Comparison, Condition, FlowTest, Test
 from tachk.engine.compiler.slot_layout import SlotLayout
-from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import (
     Binary,
     Constant,
@@ -32,6 +31,7 @@ from tachk.model.expressions import (
     Unary,
 )
 from tachk.model.traversal import reads_hybrid
+from tachk.model.variable_layout import slot_range
 
 MAXIMAL_CONSTANT = 2**31 - 1
 """The largest absolute value of a clock bound: that of any integer."""
@@ -115,7 +115,7 @@ class ConditionCompiler:
         wanted = QuantifierKind.FORALL if positive else QuantifierKind.EXISTS
         if not isinstance(part, Quantifier) or part.kind is not wanted:
             return None
-        low, high = cell_range(part.variable.type)
+        low, high = slot_range(part.variable.type)
         if high - low >= _UNROLLED_VALUES or not cannot_fail_when_bound(part, known):
             return None
         found: list[Test | bool | Expression] = []
@@ -212,10 +212,10 @@ class ConditionCompiler:
 
     def possible_clocks(self, place: Expression, known: Known) -> tuple[int, ...]:
         """The numbers of the clocks that a place may denote."""
-        cells = possible_cells(place, known)
-        if cells is None:
+        slots = possible_slots(place, known)
+        if slots is None:
             return tuple(range(1, len(self.layout.clock_names) + 1))
-        return tuple(sorted({self.layout.slots[self.layout.first_slot(v) + c].initial for v, c in cells}))
+        return tuple(sorted({self.layout.slots[self.layout.first_slot(v) + c].initial for v, c in slots}))
 
 
 def _mixed_disjunction(span: Span) -> UnsupportedError:
@@ -231,7 +231,7 @@ def _mixed_disjunction(span: Span) -> UnsupportedError:
 
 def cannot_fail_when_bound(quantifier: Quantifier, known: Known) -> bool:
     """True if no instance of the quantifier's body can fail."""
-    low, high = cell_range(quantifier.variable.type)
+    low, high = slot_range(quantifier.variable.type)
     return all(
         cannot_fail(fold(quantifier.body, known.with_bound(quantifier.variable, value)))
         for value in range(low, high + 1)

@@ -21,7 +21,6 @@ from tachk.base.records import dataclass
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.program import NO_CODE, Condition, ProgramEdge, Test, Update
 from tachk.engine.compiler.slot_layout import SlotLayout
-from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import (
     Assign,
     Binary,
@@ -38,6 +37,7 @@ from tachk.model.expressions import (
 from tachk.model.network import Edge
 from tachk.model.traversal import reads_clock, walk
 from tachk.model.types import is_aggregate
+from tachk.model.variable_layout import slot_range
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,7 @@ def uniform_ranges(edge: Edge, variable: Variable, known: Known, layout: SlotLay
 
     The values of other select variables are known. Conservative: empty where nothing is known of the form.
     """
-    low, high = cell_range(variable.type)
+    low, high = slot_range(variable.type)
     guard = [] if edge.guard is None else list(conjuncts(fold(edge.guard, known)))
     updates = [fold(update, known) for update in edge.updates]
     if edge.synchronisation is not None and _mentions(edge.synchronisation.channel, variable):
@@ -208,13 +208,13 @@ def _cuts(part: Expression, variable: Variable, layout: SlotLayout) -> list[int]
         if isinstance(part, Assign) and other is part.target:
             slot = layout.known_slot(other)
             assert slot is not None
-            cell = layout.slots[slot]
-            found += _crossings(term, (cell.low, cell.high + 1))
+            bounds = layout.slots[slot]
+            found += _crossings(term, (bounds.low, bounds.high + 1))
         else:
             slot = layout.known_slot(other)
             if slot is not None:
-                cell = layout.slots[slot]
-                found += _crossings(term, (cell.low, cell.low + 1, cell.high, cell.high + 1))
+                bounds = layout.slots[slot]
+                found += _crossings(term, (bounds.low, bounds.low + 1, bounds.high, bounds.high + 1))
     return found if seen == _count(part, variable) else None
 
 
@@ -249,7 +249,7 @@ def _crossings(term: LinearTerm, limits: Sequence[int]) -> Iterator[int]:
 def linear_term(expression: Expression, variable: Variable) -> LinearTerm | None:
     """An expression of the variable and constants as a linear term of it. None for any other, and where some value on
     the way may need more than 32 bits."""
-    low, high = cell_range(variable.type)
+    low, high = slot_range(variable.type)
     match expression:
         case Constant(value=offset):
             found = LinearTerm(0, offset)

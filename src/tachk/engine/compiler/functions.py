@@ -13,7 +13,6 @@ from tachk.base.span import Span
 from tachk.engine.compiler.assembler import Assembler, JumpLabel
 from tachk.engine.compiler.bytecode import Opcode
 from tachk.engine.compiler.slot_layout import SlotLayout
-from tachk.model.cell_layout import cell_range, default_value
 from tachk.model.expressions import (
     Assert,
     Block,
@@ -30,7 +29,8 @@ from tachk.model.expressions import (
     While,
 )
 from tachk.model.traversal import walk
-from tachk.model.types import VoidType, cell_count, is_aggregate, leaves
+from tachk.model.types import VoidType, is_aggregate, leaves, slot_count
+from tachk.model.variable_layout import default_value, slot_range
 
 
 class ExpressionGenerator(Protocol):
@@ -115,7 +115,7 @@ class FunctionGenerator:
         else:
             self._code.value(argument)
             if delay:
-                self._code.assembler.emit(Opcode.CHECK_RANGE, *cell_range(parameter.type), span=argument.span)
+                self._code.assembler.emit(Opcode.CHECK_RANGE, *slot_range(parameter.type), span=argument.span)
             else:
                 self._code.assembler.emit(Opcode.STORE, slot, span=argument.span)
 
@@ -124,7 +124,7 @@ class FunctionGenerator:
         if is_aggregate(parameter.type) and not parameter.reference:
             self._code.assembler.emit(Opcode.CONST, slot)
             self._code.assembler.emit(Opcode.SWAP)
-            self._code.assembler.emit(Opcode.COPY, cell_count(parameter.type), span=span)
+            self._code.assembler.emit(Opcode.COPY, slot_count(parameter.type), span=span)
         else:
             self._code.assembler.emit(Opcode.STORE, slot, span=span)
 
@@ -199,4 +199,4 @@ class FunctionGenerator:
             self._code.effect(folded)
         else:
             self._code.value(folded)
-            self._code.assembler.emit(Opcode.CHECK_RANGE, *cell_range(result), span=value.span)
+            self._code.assembler.emit(Opcode.CHECK_RANGE, *slot_range(result), span=value.span)

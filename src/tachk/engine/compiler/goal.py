@@ -24,10 +24,10 @@ from tachk.base.span import Span
 from tachk.engine.compiler.bounds import ConstraintRange
 from tachk.engine.compiler.condition_code import ConditionCompiler, check_bound
 from tachk.engine.compiler.program import Comparison, DeadlockLiteral, Disjunct, Goal
-from tachk.model.cell_layout import cell_range
 from tachk.model.connectives import is_conjunction, sides
 from tachk.model.expressions import Binary, Conditional, Deadlock, Expression, Quantifier, QuantifierKind, Unary
 from tachk.model.traversal import asks_deadlock, reads_clock
+from tachk.model.variable_layout import slot_range
 
 MAXIMAL_DISJUNCTS = 4096
 MAXIMAL_ALTERNATIVES = 256
@@ -103,7 +103,7 @@ def _alternatives(expression: Expression, positive: bool, known: Known) -> Itera
 
 
 def _instances(expression: Quantifier, positive: bool, known: Known) -> Iterator[tuple[Expression, bool]]:
-    low, high = cell_range(expression.variable.type)
+    low, high = slot_range(expression.variable.type)
     if high - low >= MAXIMAL_ALTERNATIVES:
         yield expression, positive
         return
@@ -173,7 +173,7 @@ def _no_number(span: Span) -> UnsupportedError:
 
 
 def _quantifier(expression: Quantifier, positive: bool, known: Known, whole: Span) -> tuple[_Literals, ...]:
-    low, high = cell_range(expression.variable.type)
+    low, high = slot_range(expression.variable.type)
     conjunctive = (expression.kind is QuantifierKind.FORALL) == positive
     result: tuple[_Literals, ...] = (_Literals(),) if conjunctive else ()
     for value in range(low, high + 1):

@@ -15,7 +15,7 @@ from tachk.model.expressions import Call, Expression, Field, Index, Reference, U
 from tachk.model.floating import DOUBLE, FloatingOperation
 from tachk.model.network import Location, Network
 from tachk.model.traversal import reads_hybrid, walk, with_bodies
-from tachk.model.types import cell_count
+from tachk.model.types import slot_count
 
 _KINDS = {
     FloatingOperation.LESS: FlowTestKind.LESS,
@@ -46,8 +46,8 @@ def flow_test(part: Expression, known: Known, generator: CodeGenerator) -> FlowT
         return FlowTest(
             kind if positive else _OPPOSITES[kind],
             is_affine(left) and is_affine(right),
-            generator.cells_code(left, known),
-            generator.cells_code(right, known),
+            generator.slots_code(left, known),
+            generator.slots_code(right, known),
         )
     return FlowTest(FlowTestKind.TRUTH, False, generator.value_code(part, known))
 
@@ -132,7 +132,7 @@ def _slots_read(network: Network, known: Known, layout: SlotLayout) -> set[int]:
     written = [rate for p in network.processes for location in p.locations for _, rate in location.hybrid_rates]
     folded = [fold(rate, known) for rate in written]
     named = {node.variable for outer in with_bodies(folded) for node in walk(outer) if isinstance(node, Reference)}
-    spans = ((layout.first_slot(variable), cell_count(variable.type)) for variable in named)
+    spans = ((layout.first_slot(variable), slot_count(variable.type)) for variable in named)
     return {slot for first, count in spans for slot in range(first, first + count) if layout.is_state(slot)}
 
 

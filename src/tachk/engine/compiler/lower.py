@@ -44,13 +44,13 @@ from tachk.engine.compiler.program import (
     Update,
 )
 from tachk.engine.compiler.slot_layout import SlotLayout
-from tachk.model.cell_layout import cell_range
 from tachk.model.connectives import negation
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import constant_number
 from tachk.model.network import Chance, Edge, Location, Network, Process
 from tachk.model.types import ChannelType, ClockType, leaves
+from tachk.model.variable_layout import slot_range
 
 MAXIMAL_EDGES = 1_000_000
 MAXIMAL_DIAGONALS = 1024
@@ -277,7 +277,7 @@ class _Lowering:
                 yield chosen, bound, None
                 return
             variable = edge.selects[len(chosen)]
-            low, high = cell_range(variable.type)
+            low, high = slot_range(variable.type)
             if high - low >= MAXIMAL_EDGES:
                 raise _too_many_edges(edge.spans[0])
             ranges = []
@@ -411,7 +411,7 @@ class _Lowering:
         number = folded.value if isinstance(folded, Constant) else constant_number(folded)
         if number is not None:
             return Computed(constant=number, floating=floating)
-        piece = self.generator.cells_code if floating else self.generator.value_code
+        piece = self.generator.slots_code if floating else self.generator.value_code
         return Computed(code=piece(value, known), floating=floating)
 
     def branches(self, known: Known) -> tuple[tuple[int, ...], tuple[Computed, ...]]:

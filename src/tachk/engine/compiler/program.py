@@ -1,11 +1,12 @@
 """A network compiled to integers: what the C++ core runs.
 
 The discrete state is one vector of *slots*. Slots ``0 .. processes-1`` hold the current location numbers; then one slot
-follows for every cell of every variable in the order of `Network.all_variables`. A cell of a clock or channel holds its
+follows for every scalar component of every variable in the order of `Network.all_variables`. That of a clock or channel
+holds its
 number, a constant, and therefore costs no bits in a packed state. Behind the state slots lie the *frame slots* of
 functions and quantifiers; functions are not recursive, so every frame variable has a fixed slot.
 
-Clocks are numbered from 1 in cell order; clock 0 is the reference clock, always zero. Channels are numbered from 0.
+Clocks are numbered from 1 in this order; clock 0 is the reference clock, always zero. Channels are numbered from 0.
 
 Code is one array of 32-bit words for a stack machine (see `tachk.engine.compiler.bytecode.Opcode`); a piece of code is
 named by the position of its first word, ``NO_CODE`` stands for "nothing to evaluate" (true for a condition).

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from tachk.analysis.fold import Known, known_cell
+from tachk.analysis.fold import Known, known_slot
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
 from tachk.engine.compiler.program import ProgramChannel, Slot
-from tachk.model.cell_layout import cell_range, default_value
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.types import ChannelType, ClockType, IntType, Type, leaves
+from tachk.model.variable_layout import default_value, slot_range
 
 
 class SlotLayout:
@@ -43,7 +43,7 @@ class SlotLayout:
             self._first[variable] = len(self.slots)
             for i, (path, type_) in enumerate(leaves(variable.type)):
                 initial = variable.initial[i] if variable.initial else default_value(type_)
-                slot = self._cell(network, variable, i, path, type_, initial)
+                slot = self._slot(network, variable, i, path, type_, initial)
                 if variable in known.values and isinstance(type_, IntType):
                     slot = Slot(slot.name, initial, initial, initial, slot.meta)
                 elif not slot.low <= slot.initial <= slot.high:
@@ -53,7 +53,7 @@ class SlotLayout:
             raise InputError(problems)
         self.state_slots = len(self.slots)
 
-    def _cell(self, network: Network, variable: Variable, i: int, path: str, type_: Type, initial: int) -> Slot:
+    def _slot(self, network: Network, variable: Variable, i: int, path: str, type_: Type, initial: int) -> Slot:
         name = variable.name + path
         if isinstance(type_, ClockType):
             self.clock_names.append(name)
@@ -65,7 +65,7 @@ class SlotLayout:
             priority = variable.priorities[i] if variable.priorities else network.default_priority
             self.channels.append(ProgramChannel(name, type_.broadcast, type_.urgent, priority))
             return Slot(name, number, number, number)
-        low, high = cell_range(type_)
+        low, high = slot_range(type_)
         return Slot(name, low, high, initial, network.resets(variable))
 
     def first_slot(self, variable: Variable) -> int:
@@ -78,22 +78,22 @@ class SlotLayout:
                 self.block(variable.name, variable.type)
         return self._first[variable]
 
-    def temporary(self, cells: int) -> int:
+    def temporary(self, size: int) -> int:
         """The first of fresh frame slots without a range."""
         first = len(self.slots)
-        self.slots.extend(Slot("", CONSTANT_LOW, CONSTANT_HIGH, 0) for _ in range(cells))
+        self.slots.extend(Slot("", CONSTANT_LOW, CONSTANT_HIGH, 0) for _ in range(size))
         return first
 
     def block(self, name: str, type_: Type) -> int:
         """The first of fresh frame slots for a value of a type, with its ranges."""
         first = len(self.slots)
-        self.slots.extend(Slot(name + path, *cell_range(t), default_value(t)) for path, t in leaves(type_))
+        self.slots.extend(Slot(name + path, *slot_range(t), default_value(t)) for path, t in leaves(type_))
         return first
 
     def known_slot(self, place: Expression) -> int | None:
         """The slot a place denotes, if that does not depend on the state."""
-        cell = known_cell(place)
-        return None if cell is None else self.first_slot(cell[0]) + cell[1]
+        component = known_slot(place)
+        return None if component is None else self.first_slot(component[0]) + component[1]
 
     def is_state(self, slot: int) -> bool:
         return slot < self.state_slots

@@ -83,7 +83,7 @@ class ZonesAt:
         return any_of(conj(self.is_state(state), self.in_some(of_state)) for state, of_state in zones.items())
 
     def is_state(self, discrete: DiscreteState) -> Formula:
-        numbers = (*self._frame.locations, *self._frame.cells)
+        numbers = (*self._frame.locations, *self._frame.slots)
         values = (*discrete.locations, *discrete.values)
         return all_of(number.is_value(value) for number, value in zip(numbers, values, strict=True))
 

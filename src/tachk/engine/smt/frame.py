@@ -23,11 +23,11 @@ from tachk.engine.smt.terms import (
     real,
     unknown,
 )
-from tachk.model.cell_layout import CellLayout
 from tachk.model.network import Network
 from tachk.model.run import Participant
 from tachk.model.traversal import process_expressions, written_variables
-from tachk.model.types import ChannelType, ClockType, bounds, cell_count
+from tachk.model.types import ChannelType, ClockType, bounds, slot_count
+from tachk.model.variable_layout import VariableLayout
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +36,14 @@ class StateFrame:
 
     Attributes:
         locations: of each process.
-        cells: of every variable of the network; known where nothing writes it.
+        slots: of every variable of the network; known where nothing writes it.
         resets: for each clock, from number 1 on, the moment when it was 0.
         entered, left: the two moments.
         fires: for each edge instance whether it takes part in the step that ends the frame.
     """
 
     locations: tuple[SymbolicNumber, ...]
-    cells: tuple[SymbolicNumber, ...]
+    slots: tuple[SymbolicNumber, ...]
     resets: tuple[z3.ArithRef, ...]
     entered: z3.ArithRef
     left: z3.ArithRef
@@ -51,7 +51,7 @@ class StateFrame:
 
     def state(self) -> list[z3.ExprRef]:
         """The decisions of the step before, in the same order for every frame."""
-        numbers = [number.term for number in (*self.locations, *self.cells) if number.term is not None]
+        numbers = [number.term for number in (*self.locations, *self.slots) if number.term is not None]
         return [*numbers, *self.resets, self.entered]
 
     def variables(self) -> list[z3.ExprRef]:
@@ -111,7 +111,7 @@ def _compared(operator: BinaryOperator, left: z3.ArithRef, right: z3.ArithRef) -
             raise ValueError(f"{operator} does not compare clocks")
 
 
-def fresh_frame(network: Network, layout: CellLayout, like: StateFrame | None, name: str) -> StateFrame:
+def fresh_frame(network: Network, layout: VariableLayout, like: StateFrame | None, name: str) -> StateFrame:
     """Variables of a frame; without a pattern those that nothing writes are known."""
     locations = tuple(
         unknown(f"{name}.{number}", 0, len(process.locations) - 1) for number, process in enumerate(network.processes)
@@ -122,18 +122,18 @@ def fresh_frame(network: Network, layout: CellLayout, like: StateFrame | None, n
         for variable in written:
             first = layout.first.get(variable)
             if first is not None and not network.resets(variable):
-                varies[first : first + cell_count(variable.type)] = [True] * cell_count(variable.type)
+                varies[first : first + slot_count(variable.type)] = [True] * slot_count(variable.type)
         varies = [v and not isinstance(t, ClockType | ChannelType) for v, t in zip(varies, layout.types, strict=True)]
     else:
-        varies = [number.term is not None for number in like.cells]
-    cells = tuple(
-        unknown(f"{name}.{layout.names[cell]}", *layout.ranges[cell]) if varies[cell] else constant(value)
-        for cell, value in enumerate(layout.initial)
+        varies = [number.term is not None for number in like.slots]
+    slots = tuple(
+        unknown(f"{name}.{layout.names[slot]}", *layout.ranges[slot]) if varies[slot] else constant(value)
+        for slot, value in enumerate(layout.initial)
     )
-    resets = tuple(z3.Real(f"{name}.r{number}") for number in range(1, len(layout.clock_cells) + 1))
+    resets = tuple(z3.Real(f"{name}.r{number}") for number in range(1, len(layout.clock_slots) + 1))
     count = _count(network) if like is None else len(like.fires)
     fires = tuple(z3.Bool(f"{name}.fire{number}") for number in range(count))
-    return StateFrame(locations, cells, resets, z3.Real(f"{name}.entered"), z3.Real(f"{name}.left"), fires)
+    return StateFrame(locations, slots, resets, z3.Real(f"{name}.entered"), z3.Real(f"{name}.left"), fires)
 
 
 def participants(network: Network) -> Iterator[Participant]:
@@ -150,8 +150,8 @@ def _count(network: Network) -> int:
     return sum(1 for _ in participants(network))
 
 
-def machine_of(layout: CellLayout, frame: StateFrame, clocks: ClocksOf) -> Machine:
-    cells = {(STATE, position): number for position, number in enumerate(frame.cells)}
-    for clock in range(1, len(layout.clock_cells) + 1):
-        cells[CLOCK_SOURCE, clock], cells[CLOCK_VALUE, clock] = constant(clock), constant(0)
-    return Machine(layout, frame.locations, Storage(cells, {STATE: layout.ranges}), clocks.compare)
+def machine_of(layout: VariableLayout, frame: StateFrame, clocks: ClocksOf) -> Machine:
+    slots = {(STATE, position): number for position, number in enumerate(frame.slots)}
+    for clock in range(1, len(layout.clock_slots) + 1):
+        slots[CLOCK_SOURCE, clock], slots[CLOCK_VALUE, clock] = constant(clock), constant(0)
+    return Machine(layout, frame.locations, Storage(slots, {STATE: layout.ranges}), clocks.compare)

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field
 from functools import partial, reduce
 from typing import TypeVar
 
-from tachk.analysis.interpreter import Domain, Side, ValueOperations, cells, number, place, run, truth
+from tachk.analysis.interpreter import Domain, Side, ValueOperations, number, place, run, slots, truth
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.job import check_job
 from tachk.base.operators import CONSTANT_HIGH, BinaryOperator
 from tachk.base.span import Span
-from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Cell, Storage, SymbolicPlace, either, place_at
+from tachk.engine.smt.storage import CLOCK_SOURCE, CLOCK_VALUE, STATE, Slot, Storage, SymbolicPlace, either, place_at
 from tachk.engine.smt.terms import (
     Formula,
     SymbolicNumber,
@@ -36,11 +36,11 @@ from tachk.engine.smt.terms import (
     truth_of,
     undefined,
 )
-from tachk.model.cell_layout import CellLayout, cell_bounds, cell_range, default_cells
 from tachk.model.expressions import Call, Expression, Function, Variable
 from tachk.model.fault import RuntimeErrorKind
 from tachk.model.traversal import ClockDependence
-from tachk.model.types import ArrayType, RecordType, Type, VoidType, cell_count, leaves
+from tachk.model.types import ArrayType, RecordType, Type, VoidType, leaves, slot_count
+from tachk.model.variable_layout import VariableLayout, default_values, slot_bounds, slot_range
 
 ROUNDS = 512
 """A loop that may take more than these rounds is refused."""
@@ -66,9 +66,9 @@ Clocks = tuple[int, ...]
 CompareClocks = Callable[[BinaryOperator, Clocks, Clocks, SymbolicNumber], Formula]
 """The formula that compares the sum of some clocks minus that of others with a number."""
 
-SymbolicCells = tuple[SymbolicNumber, ...]
-_Exit = tuple[Formula, dict[Cell, SymbolicNumber]]
-"""The end of one of several paths: its condition, and the values of cells then."""
+SymbolicSlots = tuple[SymbolicNumber, ...]
+_Exit = tuple[Formula, dict[Slot, SymbolicNumber]]
+"""The end of one of several paths: its condition, and the values of slots then."""
 _T = TypeVar("_T")
 
 
@@ -83,11 +83,11 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     faults: what may go wrong, in order.
     doomed: something goes wrong on every way from here.
     is_deadlock: whether the state is a deadlock.
-    returned: where the current function has returned, with what, and what cells held then.
+    returned: where the current function has returned, with what, and what slots held then.
     depends_on_clocks: whether the truth of a condition does.
     """
 
-    layout: CellLayout
+    layout: VariableLayout
     locations: Sequence[SymbolicNumber]
     storage: Storage
     clocks_compare: CompareClocks
@@ -96,7 +96,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     faults: list[PossibleFault] = field(default_factory=list)
     doomed: bool = False
     frame: dict[Variable, SymbolicPlace] = field(default_factory=dict)
-    returned: list[tuple[Formula, SymbolicCells, dict[Cell, SymbolicNumber]]] = field(default_factory=list)
+    returned: list[tuple[Formula, SymbolicSlots, dict[Slot, SymbolicNumber]]] = field(default_factory=list)
     depends_on_clocks: ClockDependence = field(default_factory=ClockDependence)
 
     # ---- the interface -----------------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
 
     def execute(self, updates: Iterable[Expression]) -> None:
         for update in updates:
-            cells(update, self)
+            slots(update, self)
 
     def bind(self, variable: Variable, value: int) -> None:
         """Gives a select or quantifier variable its value."""
@@ -173,7 +173,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         return self.is_deadlock()
 
     def each(self, variable: Variable) -> Iterator[None]:
-        low, high = cell_range(variable.type)
+        low, high = slot_range(variable.type)
         for value in range(low, high + 1):
             check_job()
             self.bind(variable, value)
@@ -212,7 +212,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         return in_frame if in_frame is not None else place_at(STATE, self.layout.first[variable])
 
     def element(self, base: SymbolicPlace, array: ArrayType, index: SymbolicNumber, span: Span) -> SymbolicPlace:
-        first, last, count = array.low, array.low + array.size - 1, cell_count(array.element)
+        first, last, count = array.low, array.low + array.size - 1, slot_count(array.element)
         outside = disj(
             compare(BinaryOperator.LESS, index, constant(first)), compare(BinaryOperator.GREATER, index, constant(last))
         )
@@ -229,28 +229,28 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     def part(self, base: SymbolicPlace, record: RecordType, name: str) -> SymbolicPlace:
         return base.moved(record.offset(name))
 
-    def new_place(self, type_: Type, cells: SymbolicCells | None, span: Span | None) -> SymbolicPlace:
-        ranges = tuple(cell_bounds(leaf) for _, leaf in leaves(type_))
-        if cells is not None and span is None:
-            return place_at(self.storage.new_segment(cells, ranges))
+    def new_place(self, type_: Type, slots: SymbolicSlots | None, span: Span | None) -> SymbolicPlace:
+        ranges = tuple(slot_bounds(leaf) for _, leaf in leaves(type_))
+        if slots is not None and span is None:
+            return place_at(self.storage.new_segment(slots, ranges))
         new = place_at(self.storage.new_segment(_defaults(type_), ranges))
-        if cells is not None and span is not None:
-            self.write(new, cells, span)
+        if slots is not None and span is not None:
+            self.write(new, slots, span)
         return new
 
-    def read(self, place: SymbolicPlace, count: int) -> SymbolicCells:
+    def read(self, place: SymbolicPlace, count: int) -> SymbolicSlots:
         values: list[SymbolicNumber] = []
         for offset in range(count):
             value: SymbolicNumber | None = None
             for condition, segment, position in reversed(place.alternatives):
-                cell = self.storage.cells[segment, position + offset]
-                value = cell if value is None else choose(condition, cell, value)
+                slot = self.storage.slots[segment, position + offset]
+                value = slot if value is None else choose(condition, slot, value)
             assert value is not None
             values.append(value)
         return tuple(values)
 
-    def write(self, place: SymbolicPlace, cells: SymbolicCells, span: Span) -> SymbolicCells:
-        for offset, value in enumerate(cells):
+    def write(self, place: SymbolicPlace, slots: SymbolicSlots, span: Span) -> SymbolicSlots:
+        for offset, value in enumerate(slots):
             for condition, segment, position in place.alternatives:
                 low, high = self.storage.ranges[segment][position + offset]
                 if value.low < low or value.high > high:
@@ -259,17 +259,17 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
                         compare(BinaryOperator.LESS_EQUAL, value, constant(high)),
                     )
                     self.goes_wrong(conj(condition, neg(inside)), RuntimeErrorKind.RANGE, span)
-                cell = segment, position + offset
+                slot = segment, position + offset
                 stored = narrowed(value, low, high)
-                self.storage.write(cell, choose(condition, stored, self.storage.cells.get(cell, stored)))
-        return cells
+                self.storage.write(slot, choose(condition, stored, self.storage.slots.get(slot, stored)))
+        return slots
 
     def set_clock(
         self, target: SymbolicPlace, source: SymbolicPlace | None, offset: SymbolicNumber, span: Span
     ) -> None:
         self.goes_wrong(compare(BinaryOperator.LESS, offset, constant(0)), RuntimeErrorKind.NEGATIVE_CLOCK, span)
         from_clock, more = constant(0), offset
-        stored = self.storage.cells
+        stored = self.storage.slots
         for condition, clock in [] if source is None else self._clocks_at(source):
             advanced = stored[CLOCK_VALUE, clock]
             if advanced.high + offset.high > CONSTANT_HIGH:
@@ -277,8 +277,8 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
             from_clock = choose(condition, stored[CLOCK_SOURCE, clock], from_clock)
             more = choose(condition, compute(BinaryOperator.ADD, advanced, offset), more)
         for condition, clock in self._clocks_at(target):
-            for cell, value in (((CLOCK_SOURCE, clock), from_clock), ((CLOCK_VALUE, clock), more)):
-                self.storage.write(cell, choose(condition, value, stored[cell]))
+            for slot, value in (((CLOCK_SOURCE, clock), from_clock), ((CLOCK_VALUE, clock), more)):
+                self.storage.write(slot, choose(condition, value, stored[slot]))
 
     def refuse(self, what: str, span: Span) -> None:
         raise unsupported(what, span)
@@ -286,7 +286,7 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     def _clocks_at(self, place: SymbolicPlace) -> list[tuple[Formula, int]]:
         found: list[tuple[Formula, int]] = []
         for condition, segment, position in place.alternatives:
-            number_ = self.storage.cells[segment, position]
+            number_ = self.storage.slots[segment, position]
             found += [(conj(condition, number_.is_value(value)), value) for value in number_.values]
         return [(condition, clock) for condition, clock in found if condition is not False]
 
@@ -295,10 +295,10 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
     def enter(self, variable: Variable, place: SymbolicPlace) -> None:
         self.frame[variable] = place
 
-    def operate(self, call: Call, arguments: Callable[[], Sequence[SymbolicCells]]) -> SymbolicCells:
+    def operate(self, call: Call, arguments: Callable[[], Sequence[SymbolicSlots]]) -> SymbolicSlots:
         raise unsupported("floating point arithmetic", call.span)
 
-    def call(self, function: Function, places: Sequence[SymbolicPlace]) -> SymbolicCells:
+    def call(self, function: Function, places: Sequence[SymbolicPlace]) -> SymbolicSlots:
         self.frame.update(zip(function.parameters, places, strict=True))
         outer_returned, self.returned = self.returned, []
         path, segments = self.path, self.storage.segments
@@ -308,14 +308,14 @@ class Machine(Domain[SymbolicNumber, Formula, SymbolicPlace]):
         if goes_on is not False:
             exits.append((conj(path, goes_on), self.storage.snapshot()))
         self.storage.continue_from(exits, segments)
-        result: SymbolicCells = ()
+        result: SymbolicSlots = ()
         for condition, values, _ in reversed(self.returned):
             result = tuple(choose(condition, a, b) for a, b in zip(values, result, strict=True)) if result else values
         self.returned, self.path = outer_returned, path
         return result or (() if isinstance(function.result, VoidType) else _defaults(function.result))
 
-    def give_back(self, cells: SymbolicCells) -> None:
-        self.returned.append((self.path, cells, self.storage.snapshot()))
+    def give_back(self, slots: SymbolicSlots) -> None:
+        self.returned.append((self.path, slots, self.storage.snapshot()))
 
     def sequence(self, parts: Iterable[Callable[[], Formula]]) -> Formula:
         outer = self.path
@@ -397,5 +397,5 @@ def unsupported(what: str, span: Span) -> UnsupportedError:
     )
 
 
-def _defaults(type_: Type) -> SymbolicCells:
-    return tuple(map(constant, default_cells(type_)))
+def _defaults(type_: Type) -> SymbolicSlots:
+    return tuple(map(constant, default_values(type_)))

@@ -34,12 +34,12 @@ from tachk.engine.smt.terms import (
     real,
 )
 from tachk.meaning.discrete import prepare
-from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.expressions import Expression
 from tachk.model.network import Edge, Location, Network
 from tachk.model.run import Participant
 from tachk.model.traversal import reads_clock
 from tachk.model.types import ChannelType
+from tachk.model.variable_layout import VariableLayout, variable_layout
 
 
 @dataclass(slots=True)
@@ -55,7 +55,7 @@ class TransitionRelation:
     """
 
     network: Network
-    layout: CellLayout
+    layout: VariableLayout
     template: StateFrame
     after: StateFrame
     instances: tuple[Participant, ...]
@@ -88,13 +88,13 @@ class TransitionRelation:
             number.is_value(process.initial)
             for number, process in zip(frame.locations, self.network.processes, strict=True)
         ]
-        parts += [number.is_value(value) for number, value in zip(frame.cells, self.layout.initial, strict=True)]
+        parts += [number.is_value(value) for number, value in zip(frame.slots, self.layout.initial, strict=True)]
         parts += [reset == -start for reset, start in zip(frame.resets, self.layout.starts, strict=True)]
         return all_of([*parts, frame.entered == 0])
 
     def any_frame(self, frame: StateFrame) -> Formula:
         """The constraints of every frame: ranges of variables, and that clocks are not negative."""
-        parts = [in_range(number) for number in (*frame.locations, *frame.cells)]
+        parts = [in_range(number) for number in (*frame.locations, *frame.slots)]
         return all_of([*parts, *(reset <= frame.entered for reset in frame.resets), frame.entered <= frame.left])
 
     def where(self, predicate: Expression) -> tuple[Formula, Formula, list[PossibleFault]]:
@@ -122,15 +122,15 @@ class TransitionRelation:
 
 def relation(network: Network) -> TransitionRelation:
     """Encodes a network. Raises UnsupportedError for what is not encoded."""
-    layout = cell_layout(network)
-    channels = [layout.types[cell] for cell in layout.channel_cells]
+    layout = variable_layout(network)
+    channels = [layout.types[slot] for slot in layout.channel_slots]
     return _Encoder(network, layout, [c for c in channels if isinstance(c, ChannelType)]).encode()
 
 
 @dataclass(slots=True)
 class _Encoder:
     network: Network
-    layout: CellLayout
+    layout: VariableLayout
     channels: Sequence[ChannelType]
     frame: StateFrame = field(init=False)
     instances: list[Instance] = field(init=False)
@@ -337,14 +337,14 @@ class _Encoder:
             self._bind(machine, instance)
             machine.execute(instance.edge.updates)
             locations[instance.process] = constant(instance.edge.target)
-        cells = [
-            number if number.term is None else machine.storage.cells[STATE, position]
-            for position, number in enumerate(self.frame.cells)
+        slots = [
+            number if number.term is None else machine.storage.slots[STATE, position]
+            for position, number in enumerate(self.frame.slots)
         ]
         clocks = range(1, len(self.frame.resets) + 1)
         resets = [self._reset(machine.storage, clock) for clock in clocks]
         there = _Encoder(self.network, self.layout, self.channels)
-        there.frame = StateFrame(tuple(locations), tuple(cells), tuple(resets), self.frame.left, self.frame.left, ())
+        there.frame = StateFrame(tuple(locations), tuple(slots), tuple(resets), self.frame.left, self.frame.left, ())
         invariant, wrong = there._invariant(ClocksOf(there.frame, {}, there.frame.entered))
         wrong = [replace(fault, condition=conj(condition, fault.condition)) for fault in wrong]
         return invariant, [*machine.faults, *wrong]
@@ -429,9 +429,9 @@ class _Encoder:
         for process in range(len(self.network.processes)):
             self._execute(machine, [i for i in self.instances if i.receives and i.process == process])
         parts: list[Formula] = []
-        for position, number in enumerate(after.cells):
+        for position, number in enumerate(after.slots):
             if number.term is not None:
-                made = machine.storage.cells[STATE, position]
+                made = machine.storage.slots[STATE, position]
                 parts.append(number.term == made.at_width(number.term.size()))
         for process, number in enumerate(after.locations):
             if number.term is not None:
@@ -461,7 +461,7 @@ class _Encoder:
 
     def _reset(self, storage: Storage, clock: int) -> z3.ArithRef:
         """The moment at which a clock would have been 0, as the next frame sees it."""
-        source, value = storage.cells[CLOCK_SOURCE, clock], storage.cells[CLOCK_VALUE, clock]
+        source, value = storage.slots[CLOCK_SOURCE, clock], storage.slots[CLOCK_VALUE, clock]
         if source.is_value(clock) is True and value.is_value(0) is True:
             return self._clock_value(clock)
         moment: z3.ArithRef | None = None

@@ -1,4 +1,4 @@
-"""Storage of symbolic execution: numbered cells; each branch has changes of its own."""
+"""Storage of symbolic execution: numbered slots; each branch has changes of its own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from tachk.engine.smt.terms import Formula, SymbolicNumber, choose, conj, neg
 
-Cell = tuple[int, int]
+Slot = tuple[int, int]
 """A segment and a position in it."""
 
 STATE = 0
@@ -24,15 +24,15 @@ _T = TypeVar("_T")
 @dataclass(slots=True)
 class Storage:
     """Attributes:
-    cells: what they hold on the path that is being executed.
-    ranges: smallest and largest value of each cell of a segment.
+    slots: what they hold on the path that is being executed.
+    ranges: smallest and largest value of each slot of a segment.
     """
 
-    cells: dict[Cell, SymbolicNumber]
+    slots: dict[Slot, SymbolicNumber]
     ranges: dict[int, Sequence[tuple[int, int]]]
     segments: int = CLOCK_VALUE + 1
-    journal: dict[Cell, SymbolicNumber | None] = field(default_factory=dict)
-    """The values of cells before the current branch."""
+    journal: dict[Slot, SymbolicNumber | None] = field(default_factory=dict)
+    """The values of slots before the current branch."""
 
     def new_segment(self, values: Sequence[SymbolicNumber], ranges: Sequence[tuple[int, int]]) -> int:
         segment = self.segments
@@ -42,51 +42,51 @@ class Storage:
             self.write((segment, position), value)
         return segment
 
-    def write(self, cell: Cell, value: SymbolicNumber) -> None:
-        self.journal.setdefault(cell, self.cells.get(cell))
-        self.cells[cell] = value
+    def write(self, slot: Slot, value: SymbolicNumber) -> None:
+        self.journal.setdefault(slot, self.slots.get(slot))
+        self.slots[slot] = value
 
-    def undone(self, action: Callable[[], _T]) -> tuple[_T, dict[Cell, SymbolicNumber]]:
-        """Does something and takes it back: what it gave, and the cells that it changed."""
+    def undone(self, action: Callable[[], _T]) -> tuple[_T, dict[Slot, SymbolicNumber]]:
+        """Does something and takes it back: what it gave, and the slots that it changed."""
         outer, self.journal = self.journal, {}
         result = action()
-        changes = {cell: self.cells[cell] for cell in self.journal}
-        for cell, old in self.journal.items():
+        changes = {slot: self.slots[slot] for slot in self.journal}
+        for slot, old in self.journal.items():
             if old is None:
-                del self.cells[cell]
+                del self.slots[slot]
             else:
-                self.cells[cell] = old
+                self.slots[slot] = old
         self.journal = outer
         return result, changes
 
-    def apply(self, changes: Mapping[Cell, SymbolicNumber], condition: Formula = True) -> None:
+    def apply(self, changes: Mapping[Slot, SymbolicNumber], condition: Formula = True) -> None:
         """Makes changes where a condition holds."""
-        for cell, value in changes.items():
-            self.write(cell, choose(condition, value, self.cells.get(cell, value)))
+        for slot, value in changes.items():
+            self.write(slot, choose(condition, value, self.slots.get(slot, value)))
 
     def join(
-        self, condition: Formula, then: Mapping[Cell, SymbolicNumber], otherwise: Mapping[Cell, SymbolicNumber]
+        self, condition: Formula, then: Mapping[Slot, SymbolicNumber], otherwise: Mapping[Slot, SymbolicNumber]
     ) -> None:
         """Makes the changes of one of two branches."""
-        for cell in {**then, **otherwise}:
-            before = self.cells.get(cell, then.get(cell, otherwise.get(cell)))
+        for slot in {**then, **otherwise}:
+            before = self.slots.get(slot, then.get(slot, otherwise.get(slot)))
             assert before is not None
-            self.write(cell, choose(condition, then.get(cell, before), otherwise.get(cell, before)))
+            self.write(slot, choose(condition, then.get(slot, before), otherwise.get(slot, before)))
 
-    def snapshot(self) -> dict[Cell, SymbolicNumber]:
-        return dict(self.cells)
+    def snapshot(self) -> dict[Slot, SymbolicNumber]:
+        return dict(self.slots)
 
-    def continue_from(self, exits: Iterable[tuple[Formula, dict[Cell, SymbolicNumber]]], segments: int) -> None:
+    def continue_from(self, exits: Iterable[tuple[Formula, dict[Slot, SymbolicNumber]]], segments: int) -> None:
         """Goes on where one of several paths has left off, in the segments that were there before they parted."""
         known = list(exits)
-        merged: dict[Cell, SymbolicNumber] = {}
+        merged: dict[Slot, SymbolicNumber] = {}
         for number, (condition, snapshot) in enumerate(reversed(known)):
-            for cell, value in snapshot.items():
-                if cell[0] < segments:
-                    merged[cell] = value if number == 0 else choose(condition, value, merged.get(cell, value))
-        for cell, value in merged.items():
-            if self.cells.get(cell) is not value:
-                self.write(cell, value)
+            for slot, value in snapshot.items():
+                if slot[0] < segments:
+                    merged[slot] = value if number == 0 else choose(condition, value, merged.get(slot, value))
+        for slot, value in merged.items():
+            if self.slots.get(slot) is not value:
+                self.write(slot, value)
 
 
 Alternative = tuple[Formula, int, int]

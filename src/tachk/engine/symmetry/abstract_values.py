@@ -14,7 +14,6 @@ from math import prod
 
 from tachk.analysis.fold import Known, apply_binary, cannot_fail, fold, fold_place
 from tachk.base.operators import BinaryOperator
-from tachk.model.cell_layout import default_cells
 from tachk.model.connectives import both, conjuncts, negation
 from tachk.model.expressions import (
     BOOL,
@@ -39,6 +38,7 @@ from tachk.model.network import Edge
 from tachk.model.substitution import substituted
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, BoolType, IntType, ScalarType, VoidType, bounds
+from tachk.model.variable_layout import default_values
 from tachk.transform.cone_of_influence import mentioned
 
 _MOST_COPIES = 10_000
@@ -62,7 +62,7 @@ class _AbstractValue:
         assert isinstance(variable.type, IntType)
         self._variable, self._names, self._known = variable, names, known
         self._range = range(variable.type.low, variable.type.high + 1)
-        (self._begin,) = variable.initial or default_cells(variable.type)
+        (self._begin,) = variable.initial or default_values(variable.type)
 
     def among(self, variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
         return tuple(self.instead if each is self._variable else each for each in variables)

@@ -19,13 +19,13 @@ from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, RecordTree, Tree
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
-from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, cell_nodes
+from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, slot_nodes
 from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.traversal import written_variables
-from tachk.model.types import ArrayType, Type, cell_count
+from tachk.model.types import ArrayType, Type, slot_count
+from tachk.model.variable_layout import default_values
 
 Atom = Variable | ProcessNumber | tuple[int, int]
 """An atom that a renaming may move: a variable, a process, or a number of an index type."""
@@ -225,8 +225,8 @@ class NetworkTerms:
         """True if what a variable begins with becomes that of its image."""
         other = renaming.variables.get(variable, variable)
         tree = self.reader.tree_of(variable)
-        nodes, images = cell_nodes(tree, variable.type), cell_images(self.index_types, tree, variable.type, renaming)
-        before, after = (each.initial or default_cells(each.type) for each in (variable, other))
+        nodes, images = slot_nodes(tree, variable.type), slot_images(self.index_types, tree, variable.type, renaming)
+        before, after = (each.initial or default_values(each.type) for each in (variable, other))
         return all(
             after[image] == renaming.value(self.index_types, node, value)
             for image, node, value in zip(images, nodes, before, strict=True)
@@ -242,20 +242,20 @@ class NetworkTerms:
     def _one_variable(self, variable: Variable, renaming: Renaming) -> AsymmetryReason | None:
         other = renaming.variables.get(variable, variable)
         tree, others_tree = self.reader.tree_of(variable), self.reader.tree_of(other)
-        nodes, of_other = cell_nodes(tree, variable.type), cell_nodes(others_tree, other.type)
+        nodes, of_other = slot_nodes(tree, variable.type), slot_nodes(others_tree, other.type)
         if variable.type != other.type or self.network.resets(variable) != self.network.resets(other):
             return AsymmetryReason(f"`{variable.name}` and `{other.name}` are declared differently", other.span)
         if variable.carries is not None or other.carries is not None:
             return AsymmetryReason(f"`{variable.name}` passes values through a channel", other.span)
         if list(map(self.index_types.find, nodes)) != list(map(self.index_types.find, of_other)):
             return AsymmetryReason(f"`{variable.name}` and `{other.name}` hold different kinds of numbers", other.span)
-        images = cell_images(self.index_types, tree, variable.type, renaming)
+        images = slot_images(self.index_types, tree, variable.type, renaming)
         if (self.is_constant(variable) or self.is_constant(other)) and not self._keeps_values(variable, renaming):
             return AsymmetryReason(f"the values of `{other.name}` distinguish them", other.span)
         if variable.priorities or other.priorities:
             default = (self.network.default_priority,) * len(images)
             priority, others_priority = variable.priorities or default, other.priorities or default
-            if any(others_priority[image] != priority[cell] for cell, image in enumerate(images)):
+            if any(others_priority[image] != priority[slot] for slot, image in enumerate(images)):
                 return AsymmetryReason(f"the priorities of the channels `{other.name}` distinguish them", other.span)
         return None
 
@@ -339,22 +339,22 @@ def _all_nodes(tree: Tree) -> Iterable[int]:
                 yield from _all_nodes(part)
 
 
-def cell_images(index_types: IndexTypes, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
-    """For each cell of a variable the cell of its image that a renaming maps it to."""
+def slot_images(index_types: IndexTypes, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:
+    """For each slot of a variable the slot of its image that a renaming maps it to."""
     match tree, type_:
         case ArrayTree(index, element), ArrayType():
-            inner = cell_images(index_types, element, type_.element, renaming)
-            size = cell_count(type_.element)
+            inner = slot_images(index_types, element, type_.element, renaming)
+            size = slot_count(type_.element)
             images = []
             for place in range(type_.size):
                 image = renaming.value(index_types, index, type_.low + place) - type_.low
-                images += [image * size + cell for cell in inner]
+                images += [image * size + slot for slot in inner]
             return images
         case RecordTree(fields), _:
             images, before = [], 0
             for (_, part), (_, of_part) in zip(fields, type_.fields, strict=True):  # type: ignore[union-attr]
-                images += [before + cell for cell in cell_images(index_types, part, of_part, renaming)]
-                before += cell_count(of_part)
+                images += [before + slot for slot in slot_images(index_types, part, of_part, renaming)]
+                before += slot_count(of_part)
             return images
         case _:
             return [0]

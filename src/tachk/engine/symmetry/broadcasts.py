@@ -30,7 +30,7 @@ from tachk.model.traversal import (
 )
 from tachk.model.types import ChannelType
 
-Cell = tuple[Variable, int | None]
+Slot = tuple[Variable, int | None]
 """A variable, and which element of it if it is an array and that is known."""
 
 
@@ -40,15 +40,15 @@ class _BroadcastReceiver:
 
     Attributes:
         channel: what it listens to.
-        sets: cells that are set to a constant, with it.
+        sets: slots that are set to a constant, with it.
     """
 
     process: int
     edge: Edge
-    channel: Cell
-    reads: frozenset[Cell]
-    writes: frozenset[Cell]
-    sets: frozenset[tuple[Cell, int]]
+    channel: Slot
+    reads: frozenset[Slot]
+    writes: frozenset[Slot]
+    sets: frozenset[tuple[Slot, int]]
 
 
 def order_matters(network: Network, known: Known, members: Sequence[tuple[int, ...]]) -> AsymmetryReason | None:
@@ -78,19 +78,19 @@ def _receivers(network: Network, known: Known, process: int) -> Iterator[_Broadc
         sets = [_constant_write(update) for update in updates]
         if all(each is not None for each in sets):
             plain = frozenset(each for each in sets if each is not None)
-            indices = frozenset(cell for update in updates for cell in _read_in_place(update))
-            writes = frozenset(cell for cell, _ in plain)
-            yield _BroadcastReceiver(process, edge, _cell(channel), indices, writes, plain)
+            indices = frozenset(slot for update in updates for slot in _read_in_place(update))
+            writes = frozenset(slot for slot, _ in plain)
+            yield _BroadcastReceiver(process, edge, _slot(channel), indices, writes, plain)
             continue
-        mentioned = (cell for expression in with_bodies(updates) for cell in _mentioned(expression, known))
-        reads = frozenset(cell for cell in mentioned if cell[0].kind is not VariableKind.FRAME)
-        written = frozenset(cell for expression in updates for cell in _written(expression))
+        mentioned = (slot for expression in with_bodies(updates) for slot in _mentioned(expression, known))
+        reads = frozenset(slot for slot in mentioned if slot[0].kind is not VariableKind.FRAME)
+        written = frozenset(slot for expression in updates for slot in _written(expression))
         # Writes of functions through references and to globals stand somewhere in it.
         called = called_functions(updates)
         hidden = (
             {(v, None) for v in written_variables(updates) if v.kind is not VariableKind.FRAME} if called else set()
         )
-        yield _BroadcastReceiver(process, edge, _cell(channel), reads, written | hidden, frozenset())
+        yield _BroadcastReceiver(process, edge, _slot(channel), reads, written | hidden, frozenset())
 
 
 def _commute(one: _BroadcastReceiver, other: _BroadcastReceiver) -> bool:
@@ -98,35 +98,35 @@ def _commute(one: _BroadcastReceiver, other: _BroadcastReceiver) -> bool:
         _meet(one.writes, other.reads)
         or _meet(one.reads, other.writes)
         or any(
-            _may_be(cell, another)
-            for cell in one.writes
+            _may_be(slot, another)
+            for slot in one.writes
             for another in other.writes
-            if not _same_constant(one, other, cell, another)
+            if not _same_constant(one, other, slot, another)
         )
     )
 
 
-def _same_constant(one: _BroadcastReceiver, other: _BroadcastReceiver, cell: Cell, another: Cell) -> bool:
-    """True if both only set the same cell to the same constant."""
-    values = {value for where, value in one.sets if where == cell} | {v for where, v in other.sets if where == cell}
-    known = any(where == cell for where, _ in one.sets) and any(where == cell for where, _ in other.sets)
-    array = one.sets and cell[1] is None and not _is_scalar(cell[0])
-    return cell == another and known and not array and len(values) == 1
+def _same_constant(one: _BroadcastReceiver, other: _BroadcastReceiver, slot: Slot, another: Slot) -> bool:
+    """True if both only set the same slot to the same constant."""
+    values = {value for where, value in one.sets if where == slot} | {v for where, v in other.sets if where == slot}
+    known = any(where == slot for where, _ in one.sets) and any(where == slot for where, _ in other.sets)
+    array = one.sets and slot[1] is None and not _is_scalar(slot[0])
+    return slot == another and known and not array and len(values) == 1
 
 
 def _is_scalar(variable: Variable) -> bool:
     return not hasattr(variable.type, "element") and not hasattr(variable.type, "fields")
 
 
-def _meet(some: frozenset[Cell], others: frozenset[Cell]) -> bool:
+def _meet(some: frozenset[Slot], others: frozenset[Slot]) -> bool:
     return any(_may_be(one, other) for one in some for other in others)
 
 
-def _may_be(one: Cell, other: Cell) -> bool:
+def _may_be(one: Slot, other: Slot) -> bool:
     return one[0] is other[0] and (one[1] is None or other[1] is None or one[1] == other[1])
 
 
-def _cell(place: Expression) -> Cell:
+def _slot(place: Expression) -> Slot:
     """The variable of a place, and the outermost index if it is a constant."""
     outermost: int | None = None
     while isinstance(place, Index | Field):
@@ -137,15 +137,15 @@ def _cell(place: Expression) -> Cell:
     return next(iter(roots(place))), None
 
 
-def _constant_write(update: Expression) -> tuple[Cell, int] | None:
+def _constant_write(update: Expression) -> tuple[Slot, int] | None:
     match update:
         case Assign(target, Constant(value), _, None) if isinstance(target, Reference | Index | Field):
-            return _cell(target), value
+            return _slot(target), value
         case _:
             return None
 
 
-def _read_in_place(update: Expression) -> Iterator[Cell]:
+def _read_in_place(update: Expression) -> Iterator[Slot]:
     """The variables read to find the place of a write."""
     place = update.target if isinstance(update, Assign | Increment) else update
     while isinstance(place, Index | Field):
@@ -154,14 +154,14 @@ def _read_in_place(update: Expression) -> Iterator[Cell]:
         place = place.base
 
 
-def _mentioned(expression: Expression, known: Known) -> Iterator[Cell]:
+def _mentioned(expression: Expression, known: Known) -> Iterator[Slot]:
     pending = [fold(expression, known)]
     while pending:
         part = pending.pop()
         if isinstance(part, Reference):
             yield part.variable, None
         elif isinstance(part, Index | Field):
-            yield _cell(part)
+            yield _slot(part)
             while isinstance(part, Index | Field):
                 if isinstance(part, Index):
                     pending.append(part.index)
@@ -172,10 +172,10 @@ def _mentioned(expression: Expression, known: Known) -> Iterator[Cell]:
             pending.extend(children(part))
 
 
-def _written(update: Expression) -> Iterator[Cell]:
+def _written(update: Expression) -> Iterator[Slot]:
     for node in walk(update):
         if isinstance(node, Assign | Increment):
             if isinstance(node.target, Reference | Index | Field):
-                yield _cell(node.target)
+                yield _slot(node.target)
             else:
                 yield from ((variable, None) for variable in roots(node.target))

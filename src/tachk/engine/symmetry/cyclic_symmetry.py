@@ -16,9 +16,9 @@ from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
 from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.matching import corresponding
 from tachk.engine.symmetry.terms import IndexValue, Shift
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType
+from tachk.model.variable_layout import default_values
 
 Block = tuple[int, ...]
 """The numbers of processes that are only moved together, such as a cell and its arbiter; often a single one."""
@@ -86,7 +86,7 @@ def _rotation(terms: NetworkTerms, families: Sequence[Sequence[int]], step: int)
     for variable, image in variables.items():
         node = terms.reader.tree_of(variable)
         if isinstance(node, int) and isinstance(variable.type, IntType | ScalarType):
-            (before,), (after,) = (each.initial or default_cells(each.type) for each in (variable, image))
+            (before,), (after,) = (each.initial or default_values(each.type) for each in (variable, image))
             if not goes_to(node, before, after) and terms.is_constant(variable):
                 return AsymmetryReason(f"`{variable.name}` and `{image.name}` have different numbers", image.span)
     moved = {one: other for one, other in variables.items() if one is not other}

@@ -54,7 +54,7 @@ Tree = int | ArrayTree | RecordTree
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Numbers of a index type that are limited: the cells of a variable, the indices of an array, what a bound variable
+    """Numbers of a index type that are limited: the slots of a variable, the indices of an array, what a bound variable
     goes through."""
 
     node: int

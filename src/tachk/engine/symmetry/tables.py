@@ -8,16 +8,16 @@ from dataclasses import replace
 
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
-from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, cell_images
+from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, slot_images
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.cyclic_symmetry import Block, CyclicOrbit, orbits
 from tachk.engine.symmetry.detection import SymmetricOrbit, Symmetry, cyclic_orbit_of, find_symmetry
 from tachk.engine.symmetry.index_types import AsymmetryReason
-from tachk.engine.symmetry.terms import cell_nodes
-from tachk.model.cell_layout import CellLayout, cell_layout
+from tachk.engine.symmetry.terms import slot_nodes
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.types import ChannelType, ClockType
+from tachk.model.variable_layout import VariableLayout, variable_layout
 
 
 def with_symmetry(program: Program, network: Network, predicates: Sequence[Expression]) -> Program:
@@ -32,7 +32,7 @@ def tables_of(
     network: Network, symmetry: Symmetry
 ) -> list[tuple[SymmetricOrbit | CyclicOrbit, Table | AsymmetryReason]]:
     """The orbits of a network, each with its table, or with the reason why the engine cannot exchange its members."""
-    layout, terms = cell_layout(network), symmetry.terms
+    layout, terms = variable_layout(network), symmetry.terms
     found: list[tuple[SymmetricOrbit | CyclicOrbit, Table | AsymmetryReason]] = []
     clocks: set[int] = set()
     pending: list[SymmetricOrbit | CyclicOrbit] = [*symmetry.cycles, *symmetry.groups]
@@ -68,19 +68,19 @@ def interchanged(network: Network, predicates: Sequence[Expression]) -> frozense
     return frozenset([*(group.members for group in symmetry.groups), *(cycle.members for cycle in symmetry.cycles)])
 
 
-def _table(terms: NetworkTerms, layout: CellLayout, group: SymmetricOrbit) -> Table | AsymmetryReason:
-    """The table of an orbit, or the reason why there is none: a cell belongs to two members, or nothing is moved."""
+def _table(terms: NetworkTerms, layout: VariableLayout, group: SymmetricOrbit) -> Table | AsymmetryReason:
+    """The table of an orbit, or the reason why there is none: a slot belongs to two members, or nothing is moved."""
     if all(len(terms.network.processes[member].locations) == 1 for member in group.members[0]) and not any(
         transposition.variables or transposition.values for transposition in group.transpositions
     ):
         return AsymmetryReason("they have nothing of their own to be exchanged")
-    moves = [_cell_moves(terms, layout, transposition) for transposition in group.transpositions]
-    own = _own_cells(layout, moves)
-    belongs = [own, *([move[cell] for cell in own] for move in moves)]
-    flat = Counter(cell for cells in belongs for cell in cells)
-    shared = {cell for cell, count in flat.items() if count > 1}
-    for move, cells in zip(moves, belongs[1:], strict=True):
-        shared |= set(move) ^ {*own, *cells}
+    moves = [_slot_moves(terms, layout, transposition) for transposition in group.transpositions]
+    own = _own_slots(layout, moves)
+    belongs = [own, *([move[slot] for slot in own] for move in moves)]
+    flat = Counter(slot for slots in belongs for slot in slots)
+    shared = {slot for slot, count in flat.items() if count > 1}
+    for move, slots in zip(moves, belongs[1:], strict=True):
+        shared |= set(move) ^ {*own, *slots}
     if shared:
         variable = max((v for v in layout.first if layout.first[v] <= min(shared)), key=layout.first.__getitem__)
         reason = f"`{variable.name}` holds what belongs to two of them at a time: tachk cannot exchange that"
@@ -88,96 +88,96 @@ def _table(terms: NetworkTerms, layout: CellLayout, group: SymmetricOrbit) -> Ta
     names, tables = _names(terms, layout, group)
     before = len(terms.network.processes)
 
-    def is_number(cell: int) -> bool:
-        return not isinstance(layout.types[cell], ClockType | ChannelType)
+    def is_number(slot: int) -> bool:
+        return not isinstance(layout.types[slot], ClockType | ChannelType)
 
     def numbers(type_: type) -> tuple[tuple[int, ...], ...]:
         return tuple(
-            tuple(layout.initial[cell] for cell in cells if isinstance(layout.types[cell], type_)) for cells in belongs
+            tuple(layout.initial[slot] for slot in slots if isinstance(layout.types[slot], type_)) for slots in belongs
         )
 
     return Table(
         slots=tuple(
-            (*block, *(before + cell for cell in cells if is_number(cell)))
-            for block, cells in zip(group.members, belongs, strict=True)
+            (*block, *(before + slot for slot in slots if is_number(slot)))
+            for block, slots in zip(group.members, belongs, strict=True)
         ),
         clocks=numbers(ClockType),
         channels=numbers(ChannelType),
-        names=tuple((before + cell, table) for cell, table in names),
+        names=tuple((before + slot, table) for slot, table in names),
         tables=tables,
     )
 
 
-def _cyclic_table(terms: NetworkTerms, layout: CellLayout, cycle: CyclicOrbit) -> Table:
+def _cyclic_table(terms: NetworkTerms, layout: VariableLayout, cycle: CyclicOrbit) -> Table:
     """The table of a cyclic orbit: one column for each orbit of the rotation on slots, clocks and channels."""
     before = len(terms.network.processes)
     slots: list[list[int]] = list(orbits(cycle.rotation.processes))
     clocks: list[list[int]] = []
     channels: list[list[int]] = []
-    for orbit in orbits(_cell_moves(terms, layout, cycle.rotation)):
+    for orbit in orbits(_slot_moves(terms, layout, cycle.rotation)):
         if isinstance(layout.types[orbit[0]], ClockType):
-            clocks.append([layout.initial[cell] for cell in orbit])
+            clocks.append([layout.initial[slot] for slot in orbit])
         elif isinstance(layout.types[orbit[0]], ChannelType):
-            channels.append([layout.initial[cell] for cell in orbit])
+            channels.append([layout.initial[slot] for slot in orbit])
         else:
-            slots.append([before + cell for cell in orbit])
+            slots.append([before + slot for slot in orbit])
     numbers = {root: list(orbits(moved)) for root, moved in cycle.rotation.values.items()}
-    names, tables = _named_cells(terms, layout, numbers)
+    names, tables = _named_slots(terms, layout, numbers)
     return Table(
         slots=tuple(zip(*slots, strict=True)),
         clocks=tuple(zip(*clocks, strict=True)) or ((),) * len(cycle.members),
         channels=tuple(zip(*channels, strict=True)) or ((),) * len(cycle.members),
-        names=tuple((before + cell, table) for cell, table in names),
+        names=tuple((before + slot, table) for slot, table in names),
         tables=tables,
         cyclic=True,
     )
 
 
-def _cell_moves(terms: NetworkTerms, layout: CellLayout, transposition: Renaming) -> dict[int, int]:
-    """The cells that a renaming moves, each with its image."""
+def _slot_moves(terms: NetworkTerms, layout: VariableLayout, transposition: Renaming) -> dict[int, int]:
+    """The slots that a renaming moves, each with its image."""
     moves: dict[int, int] = {}
     index_types = terms.index_types
     for variable, first in layout.first.items():
         target = layout.first[transposition.variables.get(variable, variable)]
-        images = cell_images(index_types, terms.reader.tree_of(variable), variable.type, transposition)
-        for cell, image in enumerate(images):
-            if first + cell != target + image:
-                moves[first + cell] = target + image
+        images = slot_images(index_types, terms.reader.tree_of(variable), variable.type, transposition)
+        for slot, image in enumerate(images):
+            if first + slot != target + image:
+                moves[first + slot] = target + image
     return moves
 
 
-def _own_cells(layout: CellLayout, moves: Sequence[dict[int, int]]) -> list[int]:
-    """The cells of the first member: those that every transposition moves; of two members the lower of each pair."""
+def _own_slots(layout: VariableLayout, moves: Sequence[dict[int, int]]) -> list[int]:
+    """The slots of the first member: those that every transposition moves; of two members the lower of each pair."""
     if len(moves) == 1:
-        return sorted(cell for cell, image in moves[0].items() if cell < image)
+        return sorted(slot for slot, image in moves[0].items() if slot < image)
     return sorted(set(moves[0]).intersection(*moves[1:]))
 
 
 def _names(
-    terms: NetworkTerms, layout: CellLayout, group: SymmetricOrbit
+    terms: NetworkTerms, layout: VariableLayout, group: SymmetricOrbit
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
-    """The cells that may name members, each with the number of its table; and the tables."""
+    """The slots that may name members, each with the number of its table; and the tables."""
     numbers = {}
     for root in group.transpositions[0].values:
         first = _first_number(group, root)
         numbers[root] = [[first, *(transposition.values[root][first] for transposition in group.transpositions)]]
-    return _named_cells(terms, layout, numbers)
+    return _named_slots(terms, layout, numbers)
 
 
-def _named_cells(
-    terms: NetworkTerms, layout: CellLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
+def _named_slots(
+    terms: NetworkTerms, layout: VariableLayout, numbers: Mapping[int, Sequence[Sequence[int]]]
 ) -> tuple[list[tuple[int, int]], tuple[tuple[int, ...], ...]]:
     """As `_names`, where `numbers` holds for each index type the lists of the names of the members."""
     tables: dict[tuple[int, int, int], int] = {}
     names = []
     for variable, start in layout.first.items():
         tree = terms.reader.tree_of(variable)
-        for cell, node in enumerate(cell_nodes(tree, variable.type)):
+        for slot, node in enumerate(slot_nodes(tree, variable.type)):
             root, shift = terms.index_types.find(node)
-            if isinstance(layout.types[start + cell], ClockType | ChannelType):
+            if isinstance(layout.types[start + slot], ClockType | ChannelType):
                 continue
             index_types = [(root, shift, number) for number in range(len(numbers.get(root, ())))]
-            names += [(start + cell, tables.setdefault(index_type, len(tables))) for index_type in index_types]
+            names += [(start + slot, tables.setdefault(index_type, len(tables))) for index_type in index_types]
     return names, tuple(tuple(each + shift for each in numbers[root][number]) for root, shift, number in tables)
 
 

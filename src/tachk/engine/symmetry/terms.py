@@ -13,7 +13,6 @@ from tachk.analysis.fold import Known, fold, fold_place
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.index_types import ArrayTree, IndexTypes, Range, RecordTree, Tree
-from tachk.model.cell_layout import default_value
 from tachk.model.expressions import (
     Aggregate,
     Assert,
@@ -57,6 +56,7 @@ from tachk.model.types import (
     bounds,
     leaves,
 )
+from tachk.model.variable_layout import default_value
 
 
 class IndexValue(NamedTuple):
@@ -383,7 +383,7 @@ class TermReader:
         if initial is not None:
             self.index_types.unify_trees(tree, self.whole(initial, tokens), variable.span)
             return
-        for (_, leaf), node in zip(leaves(variable.type), cell_nodes(tree, variable.type), strict=True):
+        for (_, leaf), node in zip(leaves(variable.type), slot_nodes(tree, variable.type), strict=True):
             value = default_value(leaf)
             self.index_types.defaults.append(Range(node, value, value, variable.span))
 
@@ -415,16 +415,16 @@ def _each_on_its_own(body: Statement, variable: Variable) -> bool:
             return False
 
 
-def cell_nodes(tree: Tree, type_: Type) -> list[int]:
-    """The index type of each cell of a value, in the order of `tachk.model.types.leaves`."""
+def slot_nodes(tree: Tree, type_: Type) -> list[int]:
+    """The index type of each slot of a value, in the order of `tachk.model.types.leaves`."""
     match tree, type_:
         case int(), _:
             return [tree]
         case ArrayTree(_, element), ArrayType(of_element):
-            return cell_nodes(element, of_element) * type_.size
+            return slot_nodes(element, of_element) * type_.size
         case RecordTree(fields), RecordType(_, of_fields):
             return [
-                n for (_, part), (_, of_part) in zip(fields, of_fields, strict=True) for n in cell_nodes(part, of_part)
+                n for (_, part), (_, of_part) in zip(fields, of_fields, strict=True) for n in slot_nodes(part, of_part)
             ]
         case _:
             raise TypeError("a tree that does not fit its type")

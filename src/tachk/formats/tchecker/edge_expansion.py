@@ -10,18 +10,18 @@ from dataclasses import dataclass
 from itertools import product
 
 from tachk.analysis.conditions import split_conjunction
-from tachk.analysis.fold import Known, fold, fold_place, known_cell, negate
+from tachk.analysis.fold import Known, fold, fold_place, known_slot, negate
 from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.base.words import Direction
-from tachk.formats.tchecker.expression_writer import TermPrinter, cells, initial_cells, unsupported, written_out
+from tachk.formats.tchecker.expression_writer import TermPrinter, initial_slots, slots, unsupported, written_out
 from tachk.formats.tchecker.leaves import leaf_types
 from tachk.frontend.declarations.channels import channel_variable
-from tachk.model.cell_layout import cell_range
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, Index, Reference, Variable
 from tachk.model.network import Edge, Network
 from tachk.model.traversal import walk
 from tachk.model.types import ArrayType, ChannelType
+from tachk.model.variable_layout import slot_range
 
 MAXIMUM_EDGES = 2**17
 """Edges of one file after the expansion of ``select``."""
@@ -33,7 +33,7 @@ class FlatEdge:
 
     Attributes:
         guard: parts of a conjunction, as text.
-        channel: the variable and cell of its channel, and the direction; None for an internal edge.
+        channel: the variable and slot of its channel, and the direction; None for an internal edge.
     """
 
     source: int
@@ -47,7 +47,7 @@ class FlatEdge:
 
 def choices(edge: Edge, known: Known) -> Iterator[Known]:
     """The constants with each value of `select`. Raises UnsupportedError if there are too many."""
-    ranges = [range(low, high + 1) for low, high in (cell_range(v.type) for v in edge.selects)]
+    ranges = [range(low, high + 1) for low, high in (slot_range(v.type) for v in edge.selects)]
     total = 1
     for values in ranges:
         total *= len(values)
@@ -96,9 +96,9 @@ class EdgeExpansion:
         ]
         while pending:
             place, tests = pending.pop()
-            cell = known_cell(place)
-            if cell is not None:
-                yield cell, tests
+            slot = known_slot(place)
+            if slot is not None:
+                yield slot, tests
                 continue
             computed = next(
                 (n for n in walk(place) if isinstance(n, Index) and not isinstance(n.index, Constant)), None
@@ -133,7 +133,7 @@ class EdgeExpansion:
 
     def _metas(self) -> dict[Variable, tuple[int, ...]]:
         """The meta variables with the values they have whenever a transition begins."""
-        return {v: initial_cells(v) for v in self.network.all_variables() if self.network.resets(v)}
+        return {v: initial_slots(v) for v in self.network.all_variables() if self.network.resets(v)}
 
     def _resets(self, edge: Edge, channel: tuple[Variable, int] | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """The updates before and after those of an edge that reset meta variables for every transition.
@@ -153,8 +153,8 @@ class EdgeExpansion:
 
     def _restored(self, metas: Iterable[Variable]) -> Iterator[str]:
         for variable in metas:
-            for cell, value in zip(cells(Reference(variable)), initial_cells(variable), strict=True):
-                yield f"{self.printer.place(cell)} = {value}"
+            for slot, value in zip(slots(Reference(variable)), initial_slots(variable), strict=True):
+                yield f"{self.printer.place(slot)} = {value}"
 
     def _broadcasts(self) -> set[Variable]:
         return {

@@ -11,11 +11,10 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 
 from tachk.analysis.conditions import ClockAtom
-from tachk.analysis.fold import Known, cannot_fail, fold, fold_place, known_cell, negate
+from tachk.analysis.fold import Known, cannot_fail, fold, fold_place, known_slot, negate
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.span import Span
-from tachk.model.cell_layout import cell_range, default_cells
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (
     BOOL,
@@ -39,6 +38,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.traversal import walk, written_variables
 from tachk.model.types import ArrayType, BoolType, ClockType, RecordType, Type
+from tachk.model.variable_layout import default_values, slot_range
 
 _ARITHMETIC = {
     BinaryOperator.ADD,
@@ -57,7 +57,7 @@ def written_out(expression: Expression, known: Known) -> Expression:
     """The expression folded, with every quantifier replaced by its instances."""
     match expression:
         case Quantifier(kind, variable, body):
-            low, high = cell_range(variable.type)
+            low, high = slot_range(variable.type)
             parts = [written_out(body, known.with_bound(variable, value)) for value in range(low, high + 1)]
             result = parts[0]
             for part in parts[1:]:
@@ -84,8 +84,8 @@ def written_out(expression: Expression, known: Known) -> Expression:
 class TermPrinter:
     """Attributes:
     names: of the leaves of variables: by variable and field path, without the indices.
-    arrays: the variables that some index depends on the state; the cells of all others have names of their own.
-    constants: the initial cells of the variables that nothing writes.
+    arrays: the variables that some index depends on the state; the slots of all others have names of their own.
+    constants: the initial slots of the variables that nothing writes.
     """
 
     names: Mapping[tuple[Variable, tuple[str, ...]], str]
@@ -101,7 +101,7 @@ class TermPrinter:
         if not indices:
             return name
         if variable not in self.arrays:
-            return cell_name(name, [self._constant(index) for index, _ in indices])
+            return slot_name(name, [self._constant(index) for index, _ in indices])
         return f"{name}[{self.term(flat_index(indices))}]"
 
     def _path(self, place: Expression) -> tuple[Variable, tuple[str, ...], list[tuple[Expression, ArrayType]]]:
@@ -166,8 +166,8 @@ class TermPrinter:
         """The value of a constant array at an index that the state decides: a chain of comparisons."""
         computed = next((n for n in walk(place) if isinstance(n, Index) and not isinstance(n.index, Constant)), None)
         if computed is None:
-            cell = known_cell(place)
-            return "0" if cell is None else str(self.constants[variable][cell[1]])
+            slot = known_slot(place)
+            return "0" if slot is None else str(self.constants[variable][slot[1]])
         assert isinstance(computed.base.type, ArrayType)
         low, size = computed.base.type.low, computed.base.type.size
         index = self.term(computed.index)
@@ -214,7 +214,7 @@ class TermPrinter:
         return f"(if {self.condition(operand)} then 0 else 1) != 0"
 
     def _equal(self, node: Binary, left: Expression, right: Expression) -> str:
-        pairs = list(zip(cells(left), cells(right), strict=True))
+        pairs = list(zip(slots(left), slots(right), strict=True))
         equal = " && ".join(f"{self.term(one)} == {self.term(other)}" for one, other in pairs)
         if node.operator is BinaryOperator.EQUAL:
             return equal
@@ -246,10 +246,10 @@ class TermPrinter:
                 second = "; ".join(self.statements(otherwise)) or "nop"
                 yield f"if {self.condition(condition)} then {first} else {second} end"
             case Assign(target, value, _, None) if isinstance(target.type, ArrayType | RecordType):
-                places = list(cells(target))
+                places = list(slots(target))
                 if isinstance(value, Aggregate) and set(_variables(value)) & set(_variables(target)):
                     raise unsupported("simultaneous assignment", update.span)
-                yield from (self._assignment(place, item) for place, item in zip(places, cells(value), strict=True))
+                yield from (self._assignment(place, item) for place, item in zip(places, slots(value), strict=True))
             case Assign(target, value, _, operator):
                 if operator is not None:
                     value = Binary(operator, target, value, INT, update.span)
@@ -280,7 +280,7 @@ class TermPrinter:
         return clock if whole.offset is None else f"{self.term(whole.offset)} + {clock}"
 
 
-def cell_name(name: str, indices: list[int]) -> str:
+def slot_name(name: str, indices: list[int]) -> str:
     """The name of an element that has a variable of its own."""
     return "_".join([name, *(str(i) if i >= 0 else f"m{-i}" for i in indices)])
 
@@ -300,24 +300,24 @@ def flat_index(indices: list[tuple[Expression, ArrayType]]) -> Expression:
     return fold(result, Known())
 
 
-def cells(value: Expression) -> Iterator[Expression]:
+def slots(value: Expression) -> Iterator[Expression]:
     """The numbers that make up an array or a struct."""
     type_: Type = value.type
     match value:
         case Aggregate(items):
-            yield from chain.from_iterable(cells(item) for item in items)
+            yield from chain.from_iterable(slots(item) for item in items)
         case _ if isinstance(type_, ArrayType):
             for i in range(type_.low, type_.low + type_.size):
-                yield from cells(Index(value, Constant(i), type_.element, value.span))
+                yield from slots(Index(value, Constant(i), type_.element, value.span))
         case _ if isinstance(type_, RecordType):
             for name, inner in type_.fields:
-                yield from cells(Field(value, name, inner, value.span))
+                yield from slots(Field(value, name, inner, value.span))
         case _:
             yield value
 
 
-def initial_cells(variable: Variable) -> tuple[int, ...]:
-    return variable.initial or default_cells(variable.type)
+def initial_slots(variable: Variable) -> tuple[int, ...]:
+    return variable.initial or default_values(variable.type)
 
 
 def _variables(expression: Expression) -> Iterator[Variable]:

@@ -1,13 +1,13 @@
-"""Arrays and records of the network as the flat variables of TChecker: what lies in a cell, and where."""
+"""Arrays and records of the network as the flat variables of TChecker: what lies in a slot, and where."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from tachk.analysis.fold import is_integer
-from tachk.formats.tchecker.expression_writer import initial_cells
+from tachk.formats.tchecker.expression_writer import initial_slots
 from tachk.model.expressions import Variable
-from tachk.model.types import ArrayType, ClockType, RecordType, Type, cell_count
+from tachk.model.types import ArrayType, ClockType, RecordType, Type, slot_count
 
 
 def leaf_types(type_: Type) -> Iterator[Type]:
@@ -37,14 +37,14 @@ def field_paths(
 
 
 def leaf_values(variable: Variable, fields: tuple[str, ...]) -> Iterator[tuple[list[int], int]]:
-    """The cells at one field path, each with its indices and its initial value."""
-    values = initial_cells(variable)
+    """The slots at one field path, each with its indices and its initial value."""
+    values = initial_slots(variable)
 
     def inner(type_: Type, rest: tuple[str, ...], first: int, indices: list[int]) -> Iterator[tuple[list[int], int]]:
         match type_:
             case ArrayType(element):
                 for i in range(type_.size):
-                    yield from inner(element, rest, first + i * cell_count(element), [*indices, type_.low + i])
+                    yield from inner(element, rest, first + i * slot_count(element), [*indices, type_.low + i])
             case RecordType(_, listed):
                 yield from inner(dict(listed)[rest[0]], rest[1:], first + type_.offset(rest[0]), indices)
             case _:
@@ -53,11 +53,11 @@ def leaf_values(variable: Variable, fields: tuple[str, ...]) -> Iterator[tuple[l
     yield from inner(variable.type, fields, 0, [])
 
 
-def indices_of(type_: Type, cell: int) -> list[int]:
+def indices_of(type_: Type, slot: int) -> list[int]:
     """The indices of one element of an array of arrays."""
     result = []
     while isinstance(type_, ArrayType):
-        size = cell_count(type_.element)
-        result.append(type_.low + cell // size)
-        cell, type_ = cell % size, type_.element
+        size = slot_count(type_.element)
+        result.append(type_.low + slot // size)
+        slot, type_ = slot % size, type_.element
     return result

@@ -21,16 +21,16 @@ from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.tchecker.edge_expansion import EdgeExpansion, FlatEdge, choices
-from tachk.formats.tchecker.expression_writer import TermPrinter, cell_name, unsupported, written_out
+from tachk.formats.tchecker.expression_writer import TermPrinter, slot_name, unsupported, written_out
 from tachk.formats.tchecker.label_writer import QueryLabels, query_labels
 from tachk.formats.tchecker.leaves import field_paths, indices_of, leaf_types, leaf_values
 from tachk.frontend.loaded import LoadedModel
-from tachk.model.cell_layout import begun_clocks, cell_range
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable
 from tachk.model.network import Network, Process
 from tachk.model.query import Query
 from tachk.model.traversal import walk
 from tachk.model.types import ChannelType, ClockType, Type
+from tachk.model.variable_layout import begun_clocks, slot_range
 
 _WORDS = frozenset(
     {"clock", "edge", "event", "int", "location", "process", "sync", "system", "if", "then", "else", "end", "while"}
@@ -165,7 +165,7 @@ class _Exporter:
             if isinstance(leaf, ClockType):
                 yield f"clock:{len(values)}:{name}"
                 return
-            low, high = cell_range(leaf)
+            low, high = slot_range(leaf)
             if len({value for _, value in values}) > 1:
                 self._refuse(
                     f"arrays with different initial values: `{variable.name}`",
@@ -176,12 +176,12 @@ class _Exporter:
             yield f"int:{len(values)}:{low}:{high}:{values[0][1]}:{name}"
             return
         for indices, value in values:
-            cell = cell_name(name, indices) if indices else name
+            slot = slot_name(name, indices) if indices else name
             if isinstance(leaf, ClockType):
-                yield f"clock:1:{cell}"
+                yield f"clock:1:{slot}"
             else:
-                low, high = cell_range(leaf)
-                yield f"int:1:{low}:{high}:{value}:{cell}"
+                low, high = slot_range(leaf)
+                yield f"int:1:{low}:{high}:{value}:{slot}"
 
     # ---- edges ------------------------------------------------------------------------------------------------------
 
@@ -226,23 +226,23 @@ class _Exporter:
         vectors: list[str] = []
         events: dict[tuple[Variable, int, Direction], str] = {}
         active: set[tuple[Variable, int, Direction, int]] = set()
-        for (variable, cell), users in used.items():
+        for (variable, slot), users in used.items():
             broadcast = any(isinstance(t, ChannelType) and t.broadcast for t in leaf_types(variable.type))
-            base = cell_name(variable.name, indices_of(variable.type, cell))
-            send = events[variable, cell, Direction.SEND] = self._fresh(f"{base}_send")
-            receive = events[variable, cell, Direction.RECEIVE] = self._fresh(f"{base}_receive")
+            base = slot_name(variable.name, indices_of(variable.type, slot))
+            send = events[variable, slot, Direction.SEND] = self._fresh(f"{base}_send")
+            receive = events[variable, slot, Direction.RECEIVE] = self._fresh(f"{base}_receive")
             for sender in users[Direction.SEND]:
                 others = [r for r in users[Direction.RECEIVE] if r != sender]
                 if others or broadcast:
-                    active.add((variable, cell, Direction.SEND, sender))
-                active |= {(variable, cell, Direction.RECEIVE, r) for r in others}
+                    active.add((variable, slot, Direction.SEND, sender))
+                active |= {(variable, slot, Direction.RECEIVE, r) for r in others}
                 if broadcast and others:
                     weak = ":".join(f"{processes[r]}@{receive}?" for r in others)
                     vectors.append(f"sync:{processes[sender]}@{send}:{weak}")
                 elif not broadcast:
                     vectors += [f"sync:{processes[sender]}@{send}:{processes[r]}@{receive}" for r in others]
             if broadcast and users[Direction.SEND]:
-                self._check_weak(edges, (variable, cell))
+                self._check_weak(edges, (variable, slot))
         labelled = [
             [
                 (edge, internal if edge.channel is None else events[(*edge.channel, _direction(edge))])

@@ -1,7 +1,7 @@
 """UPPAAL's intermediate format: the numbering to which its symbolic traces (`tachk.formats.uppaal.xtr`) refer.
 
 The format is the one that the program ``tracer`` of UPPAAL's open parsing library reads: sections of lines, each
-section ended by an empty line. Memory cells, locations and expressions are numbered through; clocks, variables and
+section ended by an empty line. Memory slots, locations and expressions are numbered through; clocks, variables and
 locations have numbers of their own besides. Expressions are given as text, so there are no instructions.
 """
 
@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 from tachk.formats.edge_text import ALWAYS, edge_text
 from tachk.formats.network_text import expression_text
-from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Location, Network
 from tachk.model.types import ChannelType, ClockType
+from tachk.model.variable_layout import variable_layout
 
 REFERENCE_CLOCK = "t(0)"
 
@@ -25,14 +25,14 @@ def network_to_intermediate(network: Network) -> str:
     def number_of(text: str) -> int:
         return expressions.setdefault(text, len(expressions))
 
-    cells = list(_cells(network))
-    first_location = len(cells)
+    slots = list(_slots(network))
+    first_location = len(slots)
     processes, locations, edges = [], [], []
     at = first_location
     for number, process in enumerate(network.processes):
         processes.append(f"{number}:{at + process.initial}:{_word(process.name)}")
         for offset, location in enumerate(process.locations):
-            cells.append(f"location:{_kind(location)}:{_word(location.name)}")
+            slots.append(f"location:{_kind(location)}:{_word(location.name)}")
             invariant = ALWAYS if location.invariant is None else _text(network, process.name, location)
             locations.append(f"{at + offset}:{number}:{number_of(invariant)}")
         for edge in process.edges:
@@ -42,7 +42,7 @@ def network_to_intermediate(network: Network) -> str:
             edges.append(f"{places}:{':'.join(map(str, labels))}")
         at += len(process.locations)
     sections = {
-        "layout": [f"{number}:{cell}" for number, cell in enumerate(cells)],
+        "layout": [f"{number}:{slot}" for number, slot in enumerate(slots)],
         "instructions": [],
         "processes": processes,
         "locations": locations,
@@ -52,10 +52,10 @@ def network_to_intermediate(network: Network) -> str:
     return "".join("\n".join((name, *lines)) + "\n\n" for name, lines in sections.items())
 
 
-def _cells(network: Network) -> Iterator[str]:
+def _slots(network: Network) -> Iterator[str]:
     """The clocks and variables in the order of their declaration; channels hold nothing."""
     yield f"clock:0:{REFERENCE_CLOCK}"
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     clocks, variables = 1, 0
     for name, leaf, (low, high), initial, meta in zip(
         layout.names, layout.types, layout.ranges, layout.initial, layout.meta, strict=True

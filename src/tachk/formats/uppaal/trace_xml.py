@@ -9,20 +9,20 @@ from tachk.formats.edge_text import edge_text
 from tachk.formats.network_text import expression_text
 from tachk.meaning.dbm import Zone, bound_value, is_strict
 from tachk.meaning.zones_of_run import zones_of_run
-from tachk.model.cell_layout import cell_layout
 from tachk.model.network import Network, Process
 from tachk.model.run import TimedTrace, Transition
 from tachk.model.types import ChannelType, ClockType
+from tachk.model.variable_layout import variable_layout
 
 _GLOBAL = "sys"
 
 
 def run_to_trace_xml(network: Network, run: TimedTrace) -> str:
     """The run as a symbolic trace: its transitions, with all valuations that can take them."""
-    layout = cell_layout(network)
-    value_cells = [cell for cell, leaf in enumerate(layout.types) if not isinstance(leaf, ClockType | ChannelType)]
-    variables = [_identifier(layout.names[cell], network) for cell in value_cells]
-    clocks = [f"{_GLOBAL}.#t(0)", *(_identifier(layout.names[cell], network) for cell in layout.clock_cells)]
+    layout = variable_layout(network)
+    value_slots = [slot for slot, leaf in enumerate(layout.types) if not isinstance(leaf, ClockType | ChannelType)]
+    variables = [_identifier(layout.names[slot], network) for slot in value_slots]
+    clocks = [f"{_GLOBAL}.#t(0)", *(_identifier(layout.names[slot], network) for slot in layout.clock_slots)]
     root = Element("trace", initial_node="State1", trace_options="symbolic")
     _system(root, network, clocks, variables)
     taken = [step for step in run.steps if step.transition is not None]
@@ -32,8 +32,8 @@ def run_to_trace_xml(network: Network, run: TimedTrace) -> str:
         names = " ".join(f"{process.name}.{process.locations[place].name}" for process, place in here)
         SubElement(root, "location_vector", id=f"LocVec{number}", locations=f"{names} ")
         vector = SubElement(root, "variable_vector", id=f"varvec.{number}")
-        for name, cell in zip(variables, value_cells, strict=True):
-            SubElement(vector, "variable_state", variable=name, value=str(state.values[cell]))
+        for name, slot in zip(variables, value_slots, strict=True):
+            SubElement(vector, "variable_state", variable=name, value=str(state.values[slot]))
         SubElement(
             root,
             "node",

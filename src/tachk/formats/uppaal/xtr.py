@@ -12,15 +12,15 @@ from collections.abc import Iterable, Iterator
 
 from tachk.meaning.dbm import Zone, bound_value, is_strict
 from tachk.meaning.zones_of_run import zones_of_run
-from tachk.model.cell_layout import CellLayout, cell_layout
 from tachk.model.network import Network
 from tachk.model.run import DiscreteState, TimedTrace, Transition
 from tachk.model.types import ChannelType, ClockType
+from tachk.model.variable_layout import VariableLayout, variable_layout
 
 
 def run_to_xtr(network: Network, run: TimedTrace) -> str:
     """The run as a symbolic trace: its transitions, with all valuations that can take them."""
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     zones = zones_of_run(network, run)
     lines = list(_state(layout, run.initial.discrete, zones[0]))
     taken = (step for step in run.steps if step.transition is not None)
@@ -31,7 +31,7 @@ def run_to_xtr(network: Network, run: TimedTrace) -> str:
     return "\n".join((*lines, ".")) + "\n"
 
 
-def _state(layout: CellLayout, state: DiscreteState, zone: Zone) -> Iterator[str]:
+def _state(layout: VariableLayout, state: DiscreteState, zone: Zone) -> Iterator[str]:
     yield _row(state.locations)
     yield "."
     for i, j, raw in zone.constraints():

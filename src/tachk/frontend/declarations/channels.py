@@ -9,9 +9,9 @@ from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typing import describe, is_integral, same_shape
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
+from tachk.model.variable_layout import default_values
 from tachk.syntax.rewrite import fresh_name
 
 
@@ -93,7 +93,7 @@ class ChannelTable:
                 name,
                 hidden,
                 VariableKind.GLOBAL,
-                default_cells(hidden),
+                default_values(hidden),
                 declared_meta=True,
                 span=variable.span,
                 carries=variable,

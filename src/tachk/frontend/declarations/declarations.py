@@ -26,7 +26,6 @@ from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.priority_interpretations import FIRST, says_default
 from tachk.frontend.scope import BrokenSymbol, Scope, Symbol, ValueSymbol
-from tachk.model.cell_layout import cell_bounds, default_cells
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.floating import DOUBLE, HYBRID_DOUBLE, contains_double, is_floating, number_of, variable_type
 from tachk.model.floating_calls import NAMED_OPERATIONS, RANDOM_TRI, floating_constant
@@ -41,10 +40,11 @@ from tachk.model.types import (
     ScalarType,
     Type,
     VoidType,
-    cell_count,
     element_type,
     leaves,
+    slot_count,
 )
+from tachk.model.variable_layout import default_values, slot_bounds
 from tachk.syntax import ast
 from tachk.syntax.walk import nodes_of_kind
 
@@ -174,7 +174,7 @@ def _variable(
         return None
     if not context.allow_variable(type_, node.span):
         return None
-    initial = _Initial(default_cells(type_))
+    initial = _Initial(default_values(type_))
     if node.initialiser is not None:
         if _has_channel(type_):
             context.error("E0318", node.initialiser.span, "a channel has no value")
@@ -187,7 +187,7 @@ def _variable(
         declared.full_name(name),
         type_,
         declared.kind,
-        initial.cells,
+        initial.slots,
         declared_meta=meta,
         span=node.name.span,
         is_hybrid=hybrid,
@@ -209,7 +209,7 @@ def _has_channel(type_: Type) -> bool:
 class _Initial:
     """An initial value: known, or drawn for each run."""
 
-    cells: tuple[int, ...]
+    slots: tuple[int, ...]
     drawn: Expression | None = None
 
 
@@ -227,9 +227,9 @@ def _initial(
         if meta:
             context.error("E0750", node.span, f"{what} is random, which no meta variable can be")
             return None
-        return _Initial(default_cells(type_), value)
-    cells = checked_cells(value, type_, what, context)
-    return None if cells is None else _Initial(cells)
+        return _Initial(default_values(type_), value)
+    slots = checked_slots(value, type_, what, context)
+    return None if slots is None else _Initial(slots)
 
 
 def _draws(node: ast.Expression, scope: Scope) -> bool:
@@ -240,23 +240,23 @@ def _draws(node: ast.Expression, scope: Scope) -> bool:
     return any(scope.lookup(name) is None for name in names & drawing)
 
 
-def checked_cells(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
-    """The cells of a constant of the given type, checked against its ranges."""
-    cells = context.constant_cells(value, what)
-    if cells is None:
-        return cells
-    for (path, leaf), cell in zip(leaves(type_), cells, strict=True):
-        low, high = (0, CONSTANT_HIGH) if isinstance(leaf, ClockType) else cell_bounds(leaf)
-        if not low <= cell <= high:
+def checked_slots(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
+    """The slots of a constant of the given type, checked against its ranges."""
+    slots = context.constant_slots(value, what)
+    if slots is None:
+        return slots
+    for (path, leaf), slot in zip(leaves(type_), slots, strict=True):
+        low, high = (0, CONSTANT_HIGH) if isinstance(leaf, ClockType) else slot_bounds(leaf)
+        if not low <= slot <= high:
             at = f" at {path}" if path else ""
             context.error(
                 "E0603",
                 value.span,
-                f"{what}{at} is {cell}, outside the range [{low}, {high}]",
+                f"{what}{at} is {slot}, outside the range [{low}, {high}]",
                 "change the value or the declared range",
             )
             return None
-    return cells
+    return slots
 
 
 def widened(type_: Type) -> Type:
@@ -296,22 +296,22 @@ def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declare
         return None
     opened = not declared.owner and name in context.open_constants.names
     is_named = opened or keeps_names(value, wide, context)
-    cells = checked_cells(value, wide, f"the value of `{name}`", _noting_nothing(context) if is_named else context)
-    if cells is None:
+    slots = checked_slots(value, wide, f"the value of `{name}`", _noting_nothing(context) if is_named else context)
+    if slots is None:
         return None
     if is_integral(type_) and not declared.owner:
-        declared.constants.append((name, cells[0]))
+        declared.constants.append((name, slots[0]))
     if opened:
-        return _open_constant(node.name, wide, cells, declared, context)
+        return _open_constant(node.name, wide, slots, declared, context)
     if is_named:
         return ValueSymbol(value, False, "constant", node.name.span)
-    return constant_symbol(name, wide, cells, "constant", node.name, declared, context)
+    return constant_symbol(name, wide, slots, "constant", node.name, declared, context)
 
 
 def _open_constant(
-    name: ast.Identifier, type_: Type, cells: tuple[int, ...], declared: Declared, context: Context
+    name: ast.Identifier, type_: Type, slots: tuple[int, ...], declared: Declared, context: Context
 ) -> ValueSymbol:
-    variable = Variable(name.name, type_, declared.kind, cells, span=name.span)
+    variable = Variable(name.name, type_, declared.kind, slots, span=name.span)
     declared.variables.append(variable)
     context.constants.add(variable)
     context.open_constants.variables[name.name] = variable
@@ -335,7 +335,7 @@ def _noting_nothing(context: Context) -> Context:
 def constant_symbol(
     name: str,
     type_: Type,
-    cells: tuple[int, ...],
+    slots: tuple[int, ...],
     description: str,
     identifier: ast.Identifier,
     declared: Declared,
@@ -343,10 +343,10 @@ def constant_symbol(
 ) -> ValueSymbol:
     """The meaning of a constant: its value, or for arrays and structs a variable that nothing changes."""
     if is_integral(type_) or isinstance(type_, ScalarType):
-        return ValueSymbol(Constant(cells[0], type_), False, description, identifier.span)
+        return ValueSymbol(Constant(slots[0], type_), False, description, identifier.span)
     if type_ == DOUBLE:
-        return ValueSymbol(floating_constant(number_of(cells)), False, description, identifier.span)
-    variable = Variable(declared.full_name(name), type_, declared.kind, cells, span=identifier.span)
+        return ValueSymbol(floating_constant(number_of(slots)), False, description, identifier.span)
+    variable = Variable(declared.full_name(name), type_, declared.kind, slots, span=identifier.span)
     declared.variables.append(variable)
     context.constants.add(variable)
     return ValueSymbol(Reference(variable), False, description, identifier.span)
@@ -365,7 +365,7 @@ def set_channel_priorities(
         context.error("E0405", extra.span, "channel priorities are declared twice", "join the two declarations")
     node = nodes[0]
     default = 0
-    cells: dict[Variable, dict[int, int]] = {}
+    slots: dict[Variable, dict[int, int]] = {}
     for level, group in enumerate(node.groups, start=0 if says_default(node) else 1):
         for channel in group:
             if isinstance(channel, ast.NameExpression) and channel.name == "default":
@@ -374,15 +374,15 @@ def set_channel_priorities(
             value = expression(channel, scope, context)
             if value is None:
                 continue
-            found = _channel_cells(value, context)
+            found = _channel_slots(value, context)
             if found is None:
                 context.error("E0405", channel.span, "a priority needs a global channel", None)
                 continue
             variable, positions = found
             for position in positions:
-                if position in cells.setdefault(variable, {}):
+                if position in slots.setdefault(variable, {}):
                     context.error("E0405", channel.span, f"`{channel.span.text}` already has a priority")
-                cells[variable][position] = level
+                slots[variable][position] = level
     if not says_default(node):
         context.findings.add(
             "W0409",
@@ -391,29 +391,29 @@ def set_channel_priorities(
             f"tachk tries every place; if answers differ, `default` is {FIRST}; write `default` to choose a place",
         )
     for position, variable in enumerate(declared.variables):
-        if variable in cells:
+        if variable in slots:
             count = len(variable.initial)
-            levels = tuple(cells[variable].get(i, default) for i in range(count))
+            levels = tuple(slots[variable].get(i, default) for i in range(count))
             declared.variables[position] = _replace_variable(variable, levels, scope)
     return default
 
 
-def _channel_cells(value: Expression, context: Context) -> tuple[Variable, range] | None:
-    """The channel variable and the cells of it that an expression with constant indices denotes."""
+def _channel_slots(value: Expression, context: Context) -> tuple[Variable, range] | None:
+    """The channel variable and the slots of it that an expression with constant indices denotes."""
     offset = 0
     current = value
     while isinstance(current, Index):
         base = current.base.type
         if not isinstance(base, ArrayType):
             return None
-        number = context.constant_cells(current.index, "the index of a channel with a priority")
+        number = context.constant_slots(current.index, "the index of a channel with a priority")
         if number is None or not 0 <= number[0] - base.low < base.size:
             return None
-        offset += (number[0] - base.low) * cell_count(base.element)
+        offset += (number[0] - base.low) * slot_count(base.element)
         current = current.base
     if not isinstance(current, Reference) or not _has_channel(current.type):
         return None
-    return current.variable, range(offset, offset + cell_count(value.type))
+    return current.variable, range(offset, offset + slot_count(value.type))
 
 
 def _replace_variable(variable: Variable, priorities: tuple[int, ...], scope: Scope) -> Variable:
@@ -425,5 +425,5 @@ def _replace_variable(variable: Variable, priorities: tuple[int, ...], scope: Sc
 
 
 def argument_value(value: Expression, type_: Type, what: str, context: Context) -> tuple[int, ...] | None:
-    """The cells of a compile-time argument."""
-    return checked_cells(converted(value, type_), type_, what, context)
+    """The slots of a compile-time argument."""
+    return checked_slots(converted(value, type_), type_, what, context)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from tachk.frontend.context import Context
-from tachk.frontend.declarations.declarations import Declared, argument_value, checked_cells
+from tachk.frontend.declarations.declarations import Declared, argument_value, checked_slots
 from tachk.frontend.expressions.initialisers import clock_value
 from tachk.frontend.expressions.typing import WIDE
 from tachk.frontend.scope import Scope, ValueSymbol
@@ -46,9 +46,9 @@ def as_variables(changed: Iterable[ast.Parameter], parameters: Scope, declared: 
         if not isinstance(value, Constant) and not context.open_constants.among(context.effects_of([value]).reads):
             continue
         type_ = IntType() if value.type == WIDE else value.type
-        cells = argument_value(value, type_, f"the argument for `{name}`", context)
-        if cells is not None:
-            variable = Variable(declared.full_name(name), type_, VariableKind.LOCAL, cells, span=parameter.name.span)
+        slots = argument_value(value, type_, f"the argument for `{name}`", context)
+        if slots is not None:
+            variable = Variable(declared.full_name(name), type_, VariableKind.LOCAL, slots, span=parameter.name.span)
             declared.variables.append(variable)
             symbols[name] = ValueSymbol(Reference(variable), True, "parameter", symbol.span)
     return Scope(parameters.parent, parameters.label, symbols, parameters.below)
@@ -65,12 +65,12 @@ def own_clock(
     """
     name, of_variable = parameter.name.name, variable_type(type_)
     initial = clock_value(value, of_variable, value.span, context)
-    cells = None if initial is None else checked_cells(initial, of_variable, f"the argument for `{name}`", context)
-    if cells is None:
+    slots = None if initial is None else checked_slots(initial, of_variable, f"the argument for `{name}`", context)
+    if slots is None:
         return None
     hybrid = type_ == HYBRID_DOUBLE
     variable = Variable(
-        declared.full_name(name), of_variable, VariableKind.LOCAL, cells, span=parameter.name.span, is_hybrid=hybrid
+        declared.full_name(name), of_variable, VariableKind.LOCAL, slots, span=parameter.name.span, is_hybrid=hybrid
     )
     declared.variables.append(variable)
     return ValueSymbol(Reference(variable), True, "parameter", parameter.name.span)

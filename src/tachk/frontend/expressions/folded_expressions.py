@@ -11,7 +11,6 @@ from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.span import Span
-from tachk.model.cell_layout import CellLayout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     BOOL,
@@ -29,9 +28,10 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.substitution import with_parts
-from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, cell_count
+from tachk.model.types import ArrayType, BoolType, ClockType, IntType, RecordType, ScalarType, Type, slot_count
+from tachk.model.variable_layout import VariableLayout
 
-_EMPTY = Environment(CellLayout({}, (), (), (), (), (), (), (), ()), [])
+_EMPTY = Environment(VariableLayout({}, (), (), (), (), (), (), (), ()), [])
 
 
 def _computed(expression: Expression, span: Span) -> Expression:
@@ -95,14 +95,14 @@ def conditional(condition: Expression, then: Expression, otherwise: Expression, 
 
 
 def index(base: Expression, number: Expression, type_: Type, span: Span, constants: set[Variable]) -> Expression:
-    return _constant_cell(Index(base, number, type_, span), constants)
+    return _constant_slot(Index(base, number, type_, span), constants)
 
 
 def field(base: Expression, name: str, type_: Type, span: Span, constants: set[Variable]) -> Expression:
-    return _constant_cell(Field(base, name, type_, span), constants)
+    return _constant_slot(Field(base, name, type_, span), constants)
 
 
-def _constant_cell(place: Index | Field, constants: set[Variable]) -> Expression:
+def _constant_slot(place: Index | Field, constants: set[Variable]) -> Expression:
     if not isinstance(place.type, IntType | BoolType | ScalarType):
         return place
     offset = 0
@@ -113,7 +113,7 @@ def _constant_cell(place: Index | Field, constants: set[Variable]) -> Expression
                 number = value - base.type.low
                 if not 0 <= number < base.type.size:
                     return place
-                offset += number * cell_count(base.type.element)
+                offset += number * slot_count(base.type.element)
                 current = base
             case Field(base, name) if isinstance(base.type, RecordType):
                 offset += base.type.offset(name)
@@ -140,7 +140,7 @@ def substitute(expression: Expression, values: Mapping[Variable, Expression], co
 def _folded(expression: Expression, constants: set[Variable]) -> Expression:
     match expression:
         case Index() | Field():
-            return _constant_cell(expression, constants)
+            return _constant_slot(expression, constants)
         case Unary(operator, operand, type_, span):
             return unary(operator, operand, type_, span)
         case Binary(operator, left, right, type_, span) if not isinstance(left.type, ClockType):

@@ -22,13 +22,13 @@ from tachk.model.types import (
     ScalarType,
     Type,
     VoidType,
-    cell_count,
     nesting,
+    slot_count,
 )
 from tachk.syntax import ast
 
-MAXIMUM_CELLS = 2**20
-"""Cells of one variable; more is taken for a mistake rather than allocated."""
+MAXIMUM_SLOTS = 2**20
+"""Slots of one variable; more is taken for a mistake rather than allocated."""
 
 MAXIMUM_NESTING = 50
 """Arrays and structs within one another, so that recursive passes over types need no stack of their own."""
@@ -239,12 +239,12 @@ class TypeReader:
                 "E0606", span, f"arrays and structs are nested more than {MAXIMUM_NESTING} levels deep", "flatten them"
             )
             return None
-        if cell_count(type_) > MAXIMUM_CELLS:
+        if slot_count(type_) > MAXIMUM_SLOTS:
             self.context.error(
                 "E0606",
                 span,
-                f"{what} of {cell_count(type_)} values is too large",
-                f"a variable has at most {MAXIMUM_CELLS} values; declare a smaller one",
+                f"{what} of {slot_count(type_)} values is too large",
+                f"a variable has at most {MAXIMUM_SLOTS} values; declare a smaller one",
             )
             return None
         return type_

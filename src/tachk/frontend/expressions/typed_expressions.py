@@ -83,8 +83,8 @@ def constant_integer(node: ast.Expression, what: str, scope: Scope, context: Con
     value = integral(node, scope, context)
     if value is None:
         return None
-    cells = context.constant_cells(value, what)
-    return None if cells is None else cells[0]
+    slots = context.constant_slots(value, what)
+    return None if slots is None else slots[0]
 
 
 def condition(node: ast.Expression, scope: Scope, context: Context) -> Expression | None:
@@ -338,8 +338,8 @@ def _constant_argument(node: ast.Expression, scope: Scope, context: Context) -> 
     value = expression(node, scope, context)
     if value is None:
         return None
-    cells = context.constant_cells(value, "an argument that names a process")
-    return None if cells is None else cells[0]
+    slots = context.constant_slots(value, "an argument that names a process")
+    return None if slots is None else slots[0]
 
 
 def _increment(node: ast.IncrementExpression, scope: Scope, context: Context) -> Expression | None:

@@ -19,7 +19,7 @@ from tachk.model.types import (
     ScalarType,
     Type,
     VoidType,
-    kinds_of_cells,
+    kinds_of_slots,
 )
 
 WIDE = IntType(CONSTANT_LOW, CONSTANT_HIGH)
@@ -39,7 +39,7 @@ def is_bounded(type_: Type) -> TypeGuard[IntType | BoolType | ScalarType]:
 def is_data(type_: Type) -> bool:
     """True if values of the type can be copied and compared: no clocks, channels or void inside."""
     return not isinstance(type_, VoidType) and not any(
-        isinstance(leaf, ClockType | ChannelType) for leaf in kinds_of_cells(type_)
+        isinstance(leaf, ClockType | ChannelType) for leaf in kinds_of_slots(type_)
     )
 
 

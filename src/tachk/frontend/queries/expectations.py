@@ -66,7 +66,7 @@ def expectation_clause(expected: ast.Expected | None, scope: Scope, context: Con
         return ExpectationClause(Expectation(expected))
     otherwise = expectation_clause(expected.otherwise, scope, context)
     value = condition(expected.condition, scope, context)
-    cells = None if value is None else context.constant_cells(value, "the condition of an expectation")
-    if cells is None:
+    slots = None if value is None else context.constant_slots(value, "the condition of an expectation")
+    if slots is None:
         return ExpectationClause()
-    return ExpectationClause(Expectation(expected.outcome) if cells[0] else otherwise.expectation, True)
+    return ExpectationClause(Expectation(expected.outcome) if slots[0] else otherwise.expectation, True)

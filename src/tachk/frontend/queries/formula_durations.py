@@ -49,7 +49,7 @@ def bound_value(
 
     Args:
         easier: what more of the value does to the property, at each of its places.
-        what: the beginning of a message, as of `Context.constant_cells`.
+        what: the beginning of a message, as of `Context.constant_slots`.
     """
     opened = replace(context.open_constants, needed={})
     value = constant_integer(expression, what, scope, replace(context, open_constants=opened))

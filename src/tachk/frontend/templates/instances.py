@@ -35,12 +35,12 @@ from tachk.frontend.scope import (
     ValueSymbol,
 )
 from tachk.frontend.templates.templates import elaborate_process
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Constant, Expression, Field, Index, Reference, Variable, VariableKind
 from tachk.model.floating import HYBRID_DOUBLE, variable_type
 from tachk.model.network import Process
 from tachk.model.traversal import holds_hybrid_clock
 from tachk.model.types import BoolType, ClockType, IntType, ScalarType, Type, VoidType, bounds, element_type
+from tachk.model.variable_layout import default_values
 from tachk.syntax import ast
 
 MAXIMUM_INSTANCES = 2**16
@@ -273,10 +273,10 @@ class Instances:
         wide = widened(type_)
         if keeps_names(value, wide, self.context):
             return ValueSymbol(converted(value, wide), False, "parameter", parameter.name.span)
-        cells = argument_value(value, wide, f"the argument for `{name}`", self.context)
-        if cells is None:
+        slots = argument_value(value, wide, f"the argument for `{name}`", self.context)
+        if slots is None:
             return None
-        return constant_symbol(name, wide, cells, "parameter", parameter.name, declared, self.context)
+        return constant_symbol(name, wide, slots, "parameter", parameter.name, declared, self.context)
 
     def _bind_reference(
         self, parameter: ast.Parameter, argument: ast.Expression, type_: Type, value: Expression, outer: Scope
@@ -304,10 +304,10 @@ class Instances:
         match place:
             case Index(base, number):
                 inner = self._fixed(base)
-                cells = self.context.constant_cells(number, "an index in an argument")
-                if inner is None or cells is None:
+                slots = self.context.constant_slots(number, "an index in an argument")
+                if inner is None or slots is None:
                     return None
-                return replace(place, base=inner, index=Constant(cells[0], number.type, number.span))
+                return replace(place, base=inner, index=Constant(slots[0], number.type, number.span))
             case Field(base):
                 inner = self._fixed(base)
                 return None if inner is None else replace(place, base=inner)
@@ -352,10 +352,10 @@ class Instances:
             return BrokenSymbol(span)
         type_ = variable_type(written)
         if isinstance(type_, IntType | BoolType | ScalarType) and not parameter.reference:
-            return ValueSymbol(Constant(default_cells(type_)[0], type_), False, "parameter", span)
+            return ValueSymbol(Constant(default_values(type_)[0], type_), False, "parameter", span)
         hybrid = element_type(written) == HYBRID_DOUBLE
         variable = Variable(
-            parameter.name.name, type_, VariableKind.LOCAL, default_cells(type_), span=NOWHERE, is_hybrid=hybrid
+            parameter.name.name, type_, VariableKind.LOCAL, default_values(type_), span=NOWHERE, is_hybrid=hybrid
         )
         constant = "const" in parameter.type.prefixes or not (parameter.reference or _is_clock(written))
         if constant and is_data(type_):

@@ -1,6 +1,6 @@
 """The proof that permutations map a model, and the predicates of a query, onto itself.
 
-Such a permutation acts on processes, cells, clocks, channels and some numbers in cells. It is an automorphism if what
+Such a permutation acts on processes, slots, clocks, channels and some numbers in slots. It is an automorphism if what
 is possible in the image of a state is the image of what is possible in the state: the same transitions, delays,
 run-time errors and truth of predicates, with everything exchanged (Ip and Dill 1996; Hendriks et al. 2003). That is
 shown here for all states at once:
@@ -9,7 +9,7 @@ shown here for all states at once:
 2. each edge with select values has one in the process that it comes to whose guard, channel and updates are the image
    of its own, in each case into which `tachk.meaning.judge.leaves` divides the states,
 3. where receivers of a broadcast change their order, it does not matter whose updates come first,
-4. cells that are exchanged have the same range, channels the same type and priority, and what always has its initial
+4. slots that are exchanged have the same range, channels the same type and priority, and what always has its initial
    value has the image of it,
 5. each predicate is true in the image of a state exactly if it is true in the state.
 
@@ -37,7 +37,7 @@ from tachk.model.traversal import (
     with_bodies,
     written_variables,
 )
-from tachk.model.types import cell_count
+from tachk.model.types import slot_count
 
 
 class Automorphisms:
@@ -94,9 +94,9 @@ class Automorphisms:
 
     def _objection(self, given: StatePermutation) -> str | None:
         self._check_places(given)
-        whole = self.with_own_cells(given)
+        whole = self.with_own_slots(given)
         return (
-            self._of_cells(whole)
+            self._of_slots(whole)
             or next(filter(None, (self._of_process(p, whole) for p in range(self.leaves.processes))), None)
             or self._of_broadcasts(whole)
             or self._of_predicates(whole)
@@ -104,28 +104,28 @@ class Automorphisms:
 
     def _check_places(self, given: StatePermutation) -> None:
         layout, processes = self.model.layout, self.leaves.processes
-        pinned = {processes + cell for cell in (*layout.clock_cells, *layout.channel_cells)}
+        pinned = {processes + slot for slot in (*layout.clock_slots, *layout.channel_slots)}
         slots, last = {*given.slots, *given.values}, len(self.leaves.ranges)
         if any(slot >= last or slot in pinned for slot in slots) or any(slot < processes for slot in given.values):
             raise MalformedGroupError("it has numbers of slots that are none")
         if any((slot < processes) != (image < processes) for slot, image in given.slots.items()):
             raise MalformedGroupError("a process becomes a variable")
-        if any(not 0 < clock <= len(layout.clock_cells) for clock in given.clocks):
+        if any(not 0 < clock <= len(layout.clock_slots) for clock in given.clocks):
             raise MalformedGroupError("it has numbers of clocks that are none")
-        if any(channel >= len(layout.channel_cells) for channel in given.channels):
+        if any(channel >= len(layout.channel_slots) for channel in given.channels):
             raise MalformedGroupError("it has numbers of channels that are none")
 
-    def with_own_cells(self, given: StatePermutation) -> StatePermutation:
-        """An exchange with the cells that hold the numbers of clocks and channels, which go with these."""
+    def with_own_slots(self, given: StatePermutation) -> StatePermutation:
+        """An exchange with the slots that hold the numbers of clocks and channels, which go with these."""
         layout, first = self.model.layout, self.leaves.processes
         slots, values = dict(given.slots), dict(given.values)
-        for moved, cells, number in ((given.clocks, layout.clock_cells, 1), (given.channels, layout.channel_cells, 0)):
+        for moved, own, number in ((given.clocks, layout.clock_slots, 1), (given.channels, layout.channel_slots, 0)):
             for one, image in moved.items():
-                slots[first + cells[one - number]] = first + cells[image - number]
-                values[first + cells[one - number]] = {one: image}
+                slots[first + own[one - number]] = first + own[image - number]
+                values[first + own[one - number]] = {one: image}
         return StatePermutation(slots, given.clocks, given.channels, values)
 
-    def _of_cells(self, whole: StatePermutation) -> str | None:
+    def _of_slots(self, whole: StatePermutation) -> str | None:
         layout, leaves, first = self.model.layout, self.leaves, self.leaves.processes
         for slot in {*whole.slots, *whole.values}:
             image, values = whole.slot(slot), whole.values.get(slot, {})
@@ -185,7 +185,7 @@ class Automorphisms:
         if first is None:
             return range(0)
         first += self.leaves.processes
-        return range(first, first + cell_count(variable.type))
+        return range(first, first + slot_count(variable.type))
 
     def _becomes(self, one: Participant, other: Participant, whole: StatePermutation) -> bool:
         edge, image = self.model.edge(one), self.model.edge(other)
@@ -263,11 +263,11 @@ class Automorphisms:
 
     def _is_image(self, leaf: Leaf, image: Leaf, whole: StatePermutation) -> bool:
         effect, its_image = leaf.answer, image.answer
-        origins = {whole.slot(slot): slot for slot in (*whole.slots, *effect.cells, *its_image.cells)}
-        for place in {*map(whole.slot, effect.cells), *its_image.cells}:
+        origins = {whole.slot(slot): slot for slot in (*whole.slots, *effect.slots, *its_image.slots)}
+        for place in {*map(whole.slot, effect.slots), *its_image.slots}:
             slot = origins.get(place, place)
-            expected = self._moved(effect.cells.get(slot, self._before(leaf, slot)), slot, whole, image)
-            if expected != self._moved(its_image.cells.get(place, self._before(image, place)), place, _STAY, image):
+            expected = self._moved(effect.slots.get(slot, self._before(leaf, slot)), slot, whole, image)
+            if expected != self._moved(its_image.slots.get(place, self._before(image, place)), place, _STAY, image):
                 return False
         if {whole.clock(clock) for clock in effect.clocks} != set(its_image.clocks):
             return False

@@ -25,14 +25,14 @@ StepCandidate = tuple[Sets, Any]
 
 @dataclass(frozen=True, slots=True)
 class UpdateEffect:
-    """The effect of updates, apart from cells that stay as they are.
+    """The effect of updates, apart from slots that stay as they are.
 
     Attributes:
-        cells: by slot, the new number, known or not.
+        slots: by slot, the new number, known or not.
         clocks: by clock, the clock whose value it gets (0: none), and how much more.
     """
 
-    cells: Mapping[int, Any]
+    slots: Mapping[int, Any]
     clocks: Mapping[int, tuple[int, Any]]
 
 
@@ -68,10 +68,10 @@ class Behaviour:
         bind_selects(self.model, participant, scratch)
         execute(self.model.edge(participant).updates, scratch)
         pairs = zip(before, scratch.values, strict=True)
-        cells = {first + cell: new for cell, (old, new) in enumerate(pairs) if name_of(old) != name_of(new)}
-        if not self.leaves.constants.keys().isdisjoint(cells):
+        slots = {first + index: new for index, (old, new) in enumerate(pairs) if name_of(old) != name_of(new)}
+        if not self.leaves.constants.keys().isdisjoint(slots):
             raise IndivisibleError("a constant is written")
-        return UpdateEffect(cells, dict(scratch.resets))
+        return UpdateEffect(slots, dict(scratch.resets))
 
     def is_possible(self, participant: Participant) -> bool:
         """True if an edge is part of anything: it is not if its guard is false everywhere, or if no other process is
@@ -151,7 +151,7 @@ class Behaviour:
             if leaf.answer is FAULT:
                 continue
             effect = leaf.answer
-            numbers = [(cell, 0, value) for cell, value in effect.cells.items()]
+            numbers = [(slot, 0, value) for slot, value in effect.slots.items()]
             numbers += [(("clock", clock), source, more) for clock, (source, more) in effect.clocks.items()]
             for place, source, value in numbers:
                 writes.setdefault(place, set()).add((source, name_of(value)))

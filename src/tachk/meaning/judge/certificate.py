@@ -65,7 +65,7 @@ class CertificateHeader:
         name, query: of the property; the query is its text.
         model: the SHA-256 of the network as JSON.
         constants: the constants of the model that may be set from outside.
-        width: how many numbers a discrete state has: the location of each process, then the content of each cell.
+        width: how many numbers a discrete state has: the location of each process, then the content of each slot.
         clocks: the names of the clocks; number 0 is the reference clock, which is always 0, and has no name here.
         groups: what can be exchanged: a state stands for all that exchanges make of it.
     """

@@ -63,7 +63,7 @@ class ClosedSet:
 
     def _read(self, certificate: CertificateReader) -> None:
         header, layout, dimension = certificate.header, self.model.layout, self.model.dimension
-        if header.width != self.states.width or len(header.clocks) != len(layout.clock_cells):
+        if header.width != self.states.width or len(header.clocks) != len(layout.clock_slots):
             raise MalformedCertificateError("it has other processes, variables or clocks than the model")
         none = np.zeros(0, np.int64)
         parts = [(np.zeros((0, dimension, dimension), np.int64), none, none, none)]

@@ -17,7 +17,7 @@ from tachk.meaning.discrete import PreparedNetwork
 from tachk.model.evaluate import Environment
 from tachk.model.fault import EvaluationFault
 from tachk.model.traversal import process_expressions, written_variables
-from tachk.model.types import ChannelType, ClockType, cell_count
+from tachk.model.types import ChannelType, ClockType, slot_count
 
 T = TypeVar("T")
 Values = Sequence[int]
@@ -141,10 +141,10 @@ class Leaves:
         self.processes = len(network.processes)
         written = written_variables([e for process in network.processes for e in process_expressions(process)])
         self.constants = {
-            self.processes + cell: layout.initial[cell]
+            self.processes + index: layout.initial[index]
             for variable, first in layout.first.items()
-            for cell in range(first, first + cell_count(variable.type))
-            if variable not in written or isinstance(layout.types[cell], ClockType | ChannelType)
+            for index in range(first, first + slot_count(variable.type))
+            if variable not in written or isinstance(layout.types[index], ClockType | ChannelType)
         }
         ranges = [(0, len(process.locations) - 1) for process in network.processes] + list(layout.ranges)
         self.ranges = [_values(low, high) for low, high in ranges]

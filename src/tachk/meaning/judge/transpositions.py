@@ -20,7 +20,8 @@ class MalformedGroupError(Exception):
 class SymmetryGroup:
     """Members any two of which are exchanged, or (cyclic) all of which are moved on together.
 
-    A *slot* is a number of a discrete state: the locations of the processes come first, then the cells.
+    A *slot* is a number of a discrete state: the locations of the processes come first, then the components of
+    variables.
 
     Attributes:
         slots, clocks, channels: of each member those that belong to it, the corresponding ones in the same order.

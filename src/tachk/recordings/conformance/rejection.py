@@ -23,7 +23,7 @@ from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.run import DiscreteState, Transition
-from tachk.model.types import cell_count
+from tachk.model.types import slot_count
 from tachk.recordings.conformance.event_streams import EventStreams, around
 from tachk.recordings.conformance.events import Cell
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
@@ -93,7 +93,7 @@ def _end_in_slots(product: TraceProduct, slots: tuple[int, ...], bounds: tuple[i
     values = {}
     for variable in product.network.all_variables():
         if variable not in product.tables:
-            count = cell_count(variable.type)
+            count = slot_count(variable.type)
             values[variable] = slots[place : place + count]
             place += count
     return FinalState(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
@@ -104,7 +104,7 @@ def end_by_reference(product: TraceProduct, path: Sequence[Transition]) -> Final
     model = prepare(product.network)
     discrete, zones = _end(model, path)
     layout = model.layout
-    values = {v: discrete.values[n : n + cell_count(v.type)] for v, n in layout.first.items()}
+    values = {v: discrete.values[n : n + slot_count(v.type)] for v, n in layout.first.items()}
     return FinalState(discrete.locations, values, tuple(zones))
 
 
@@ -203,7 +203,7 @@ def _start(model: PreparedNetwork, product: TraceProduct, happened: Sequence[int
     values = list(model.layout.initial)
     for variable, first in model.layout.first.items():
         if variable in end.values and variable not in product.tables:
-            values[first : first + cell_count(variable.type)] = end.values[variable]
+            values[first : first + slot_count(variable.type)] = end.values[variable]
     for position, count in zip(product.positions, happened, strict=True):
         values[model.layout.first[position]] = min(count, 1)
     return DiscreteState(end.locations, tuple(values))

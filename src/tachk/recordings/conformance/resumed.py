@@ -14,10 +14,10 @@ from dataclasses import replace
 from tachk.base.words import Direction
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone, bound_value, is_strict
 from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
-from tachk.model.cell_layout import default_cells
 from tachk.model.expressions import Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process, Synchronisation
 from tachk.model.types import ArrayType, ChannelType, ClockType, RecordType, Type, clock_count
+from tachk.model.variable_layout import default_values
 from tachk.recordings.conformance.rejection import FinalState
 from tachk.recordings.conformance.trace_product import TraceProduct
 
@@ -120,18 +120,18 @@ def _clocks(network: Network) -> Iterator[Term]:
     """By their numbers."""
     for variable in network.all_variables():
         if clock_count(variable.type):
-            yield from (cell for cell, leaf in _cells(Term(Reference(variable))) if isinstance(leaf, ClockType))
+            yield from (slot for slot, leaf in _slots(Term(Reference(variable))) if isinstance(leaf, ClockType))
 
 
-def _cells(whole: Term) -> Iterator[tuple[Term, Type]]:
-    """The cells of a variable in their order, with their types."""
+def _slots(whole: Term) -> Iterator[tuple[Term, Type]]:
+    """The slots of a variable in their order, with their types."""
     match whole.expression.type:
         case ArrayType() as type_:
             for index in range(type_.low, type_.low + type_.size):
-                yield from _cells(whole[index])
+                yield from _slots(whole[index])
         case RecordType() as type_:
             for name, _ in type_.fields:
-                yield from _cells(whole.field(name))
+                yield from _slots(whole.field(name))
         case type_:
             yield whole, type_
 
@@ -152,9 +152,9 @@ def _values(product: TraceProduct, before: TraceProduct, end: FinalState) -> lis
 
 def _assignments(variable: Variable, values: Sequence[int]) -> Iterator[Term]:
     """The assignments that let a variable begin with other values."""
-    initial = variable.initial or default_cells(variable.type)
+    initial = variable.initial or default_values(variable.type)
     if tuple(initial) == tuple(values):
         return
-    for (cell, leaf), value, first in zip(_cells(Term(Reference(variable))), values, initial, strict=True):
+    for (slot, leaf), value, first in zip(_slots(Term(Reference(variable))), values, initial, strict=True):
         if value != first and not isinstance(leaf, ClockType | ChannelType):
-            yield cell.assign(value)
+            yield slot.assign(value)

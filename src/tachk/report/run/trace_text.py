@@ -345,13 +345,13 @@ def change_lines(before: Snapshot, after: Snapshot) -> list[Text]:
     return [Text("  " + ", ".join(map(_group, groups)))] if groups else []
 
 
-def _group(cells: list[tuple[str, int | bool, int | bool]]) -> str:
-    """Changes of one variable, or of neighbouring cells of one array: ``a[0..2]: 1 2 0 → 2 0 0``."""
-    if len(cells) < _ARRAY_TOGETHER:
-        return ", ".join(f"{name}: {_value(old)} → {_value(new)}" for name, old, new in cells)
-    name = f"{cells[0][0][:-1]}..{cells[-1][0].rpartition('[')[2]}"
-    olds = " ".join(_value(old) for _, old, _ in cells)
-    news = " ".join(_value(new) for _, _, new in cells)
+def _group(changes: list[tuple[str, int | bool, int | bool]]) -> str:
+    """Changes of one variable, or of neighbouring slots of one array: ``a[0..2]: 1 2 0 → 2 0 0``."""
+    if len(changes) < _ARRAY_TOGETHER:
+        return ", ".join(f"{name}: {_value(old)} → {_value(new)}" for name, old, new in changes)
+    name = f"{changes[0][0][:-1]}..{changes[-1][0].rpartition('[')[2]}"
+    olds = " ".join(_value(old) for _, old, _ in changes)
+    news = " ".join(_value(new) for _, _, new in changes)
     return f"{name}: {olds} → {news}"
 
 

@@ -22,7 +22,7 @@ class ZoneState:
     Attributes:
         number: in the order of the search, from 0.
         locations: process and location, in the order of the processes.
-        variables: every cell of every variable with its value.
+        variables: every slot of every variable with its value.
         constraints: the clock values that are possible, as few constraints as say it; empty for all of them.
         zone: the same as a difference bound matrix.
     """
@@ -67,7 +67,7 @@ def as_networkx(network: Network, graph: ZoneGraph) -> Any:
     import networkx
 
     names = RunNames(network)
-    clocks = [names.layout.names[cell] for cell in names.layout.clock_cells]
+    clocks = [names.layout.names[slot] for slot in names.layout.clock_slots]
     states = []
     for number, (discrete, zone) in enumerate(graph.nodes):
         snapshot = names.snapshot(discrete)

@@ -37,7 +37,7 @@ from tachk.model.traversal import (
     with_bodies,
     written_variables,
 )
-from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, kinds_of_cells
+from tachk.model.types import ArrayType, ChannelType, ClockType, IntType, RecordType, kinds_of_slots
 from tachk.transform.transformation import Exactness, Transformation
 
 OUTSIDE, SENT = "outside.", "sent."
@@ -150,7 +150,7 @@ def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterf
             "take it into the part, or let it show its location by a variable",
         )
     for clock in network.variables:
-        if ClockType() in kinds_of_cells(clock.type) and clock in ours.used and clock in theirs.used:
+        if ClockType() in kinds_of_slots(clock.type) and clock in ours.used and clock in theirs.used:
             raise UsageError(f"the clock {clock.name} is used inside and outside the part", "give each a clock")
     ends = [*ours.channels[Direction.SEND].items(), *ours.channels[Direction.RECEIVE].items()]
     others = theirs.channels[Direction.SEND].keys() | theirs.channels[Direction.RECEIVE].keys()
@@ -164,12 +164,12 @@ def _check_separable(network: Network, ours: _PartInterface, theirs: _PartInterf
 
 def _possible(place: Expression) -> dict[str, Expression]:
     """The channels that a place may denote, by their names."""
-    cells = (pair for root in roots(place) for pair in _cells(Reference(root), root.name))
-    return {name: cell for name, cell in cells if _may_be(place, cell)}
+    slots = (pair for root in roots(place) for pair in _slots(Reference(root), root.name))
+    return {name: slot for name, slot in slots if _may_be(place, slot)}
 
 
-def _may_be(place: Expression, cell: Expression) -> bool:
-    match place, cell:
+def _may_be(place: Expression, slot: Expression) -> bool:
+    match place, slot:
         case Index(base, Constant(wanted)), Index(inner, Constant(number)):
             return wanted == number and _may_be(base, inner)
         case (Index(base), Index(inner)) | (Field(base), Field(inner)):
@@ -178,20 +178,20 @@ def _may_be(place: Expression, cell: Expression) -> bool:
             return True
 
 
-def _cells(place: Expression, name: str) -> Iterator[tuple[str, Expression]]:
+def _slots(place: Expression, name: str) -> Iterator[tuple[str, Expression]]:
     match place.type:
         case ArrayType() as array:
             for index in range(array.low, array.low + array.size):
-                yield from _cells(Index(place, Constant(index), array.element), f"{name}[{index}]")
+                yield from _slots(Index(place, Constant(index), array.element), f"{name}[{index}]")
         case RecordType() as record:
             for field, type_ in record.fields:
-                yield from _cells(Field(place, field, type_), f"{name}.{field}")
+                yield from _slots(Field(place, field, type_), f"{name}.{field}")
         case _:
             yield name, place
 
 
 def _is_data(variable: Variable) -> bool:
-    return not any(isinstance(kind, ChannelType | ClockType) for kind in kinds_of_cells(variable.type))
+    return not any(isinstance(kind, ChannelType | ClockType) for kind in kinds_of_slots(variable.type))
 
 
 def _used(network: Network, ours: _PartInterface) -> Iterator[Variable]:

@@ -157,7 +157,7 @@ def _is_committed(network: Network) -> Expression:
 
 
 def _inputs(opened: OpenNetwork, program: Program) -> Iterator[UnitVariable]:
-    """The cells of the inputs, each with its slot and that of the variable that it is for."""
+    """The components of the inputs, each with its slot and that of the variable that it is for."""
     network = opened.network
     slots: dict[str, int] = {}
     for variable in network.all_variables():

@@ -171,13 +171,13 @@ def _lines(run: Simulated, values: tuple[Expression, ...], network: Network, pro
     ends = np.append(run.times[1:], run.end)
     for column, value in enumerate(values):
         check_job(_BYTES_A_STATE * len(ends))
-        cells = np.ascontiguousarray(run.observed[:, column])
+        slots = np.ascontiguousarray(run.observed[:, column])
         if isinstance(value.type, ClockType):
             begins = run.clocks[:, clock_number(value, network, program) - 1]
-            runs_on = np.where(cells != 0, 0, ends - run.times)
+            runs_on = np.where(slots != 0, 0, ends - run.times)
             first, last = begins / run.ticks_per_unit, (begins + runs_on) / run.ticks_per_unit
         else:
-            first = last = cells.view(np.float64) if value.type == DOUBLE else cells.astype(np.float64)
+            first = last = slots.view(np.float64) if value.type == DOUBLE else slots.astype(np.float64)
         times = np.column_stack((run.times, ends)).reshape(-1) / run.ticks_per_unit
         lines.append(_settled(value.span.text, times, np.column_stack((first, last)).reshape(-1)))
     return lines

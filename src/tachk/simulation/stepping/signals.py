@@ -10,7 +10,7 @@ from tachk.base.records import dataclass
 from tachk.meaning.discrete import environment
 from tachk.meaning.run_view import RunNames
 from tachk.meaning.step import time_passes
-from tachk.model.evaluate import evaluate, evaluate_cells
+from tachk.model.evaluate import evaluate, evaluate_slots
 from tachk.model.run import TimedState, TimedTrace
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace
 from tachk.simulation.columns import Column
@@ -64,5 +64,5 @@ def _value(names: RunNames, state: TimedState, column: Column) -> int:
             scratch = environment(names.model, state.discrete, state.clocks)
             if not column.floating:
                 return evaluate(expression, scratch)
-            high, low = evaluate_cells(expression, scratch)
+            high, low = evaluate_slots(expression, scratch)
             return (high << 32) | (low & 0xFFFFFFFF)

@@ -200,7 +200,7 @@ def test_a_reset_to_a_variable_stops_a_bound_but_a_conditional_one_does_not() ->
     assert bounds_of(program, 0, 0) == ({}, {Y: 6})
 
 
-def test_a_variable_bound_counts_with_its_largest_value_and_known_tables_with_their_cells() -> None:
+def test_a_variable_bound_counts_with_its_largest_value_and_known_tables_with_their_slots() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 0, 3)
     table = network.declare("table", ArrayType(IntType(), IntType(0, 3)), (10, 40, 30, 20))

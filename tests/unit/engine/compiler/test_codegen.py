@@ -18,7 +18,6 @@ from tachk.engine.compiler.program import Program
 from tachk.engine.compiler.slot_layout import SlotLayout
 from tachk.engine.outcome import Status
 from tachk.engine.zone import explore
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, composed, evaluate, execute
 from tachk.model.expressions import (
     BOOL,
@@ -37,6 +36,7 @@ from tachk.model.expressions import (
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.types import ArrayType, ClockType, RecordType
+from tachk.model.variable_layout import variable_layout
 from tests.support.drawn_expressions import CLOCKS, COUNT, FLAG, SMALL, VARIABLES, WIDE, span, update_lists, values
 from tests.support.machine import Machine, initial_slots
 
@@ -68,7 +68,7 @@ def compare_value(expression: Expression, effects: bool = True) -> None:
         code=tuple(generator.assembler.code),
         sites=tuple(generator.assembler.sites),
     )
-    environment = Environment(cell_layout(net), list(cell_layout(net).initial), locations=(0,))
+    environment = Environment(variable_layout(net), list(variable_layout(net).initial), locations=(0,))
     expected: object
     try:
         expected = evaluate(expression, environment)
@@ -84,7 +84,7 @@ def compare_value(expression: Expression, effects: bool = True) -> None:
 def compare_updates(updates: Sequence[Expression]) -> None:
     """Runs the updates of an edge both ways and asserts equal states, resets and errors."""
     net = network(updates)
-    layout = cell_layout(net)
+    layout = variable_layout(net)
     environment = Environment(layout, list(layout.initial), locations=(0,))
     fault: tuple[RuntimeErrorKind, Span] | None = None
     try:
@@ -134,7 +134,7 @@ def test_updates_agree_with_the_evaluator(updates: list[Expression]) -> None:
 
 
 def leaf_places(place: Expression) -> list[Expression]:
-    """The cells of a place, as places."""
+    """The slots of a place, as places."""
     match place.type:
         case ArrayType(element) as array:
             numbers = range(array.low, array.low + array.size)
@@ -149,7 +149,7 @@ def compare_with_engine(updates: list[Expression]) -> None:
     plain = network(updates)
     urgent = tuple(replace(location, urgent=True) for location in plain.processes[0].locations)
     net = replace(plain, processes=(replace(plain.processes[0], locations=urgent),))
-    layout = cell_layout(net)
+    layout = variable_layout(net)
     environment = Environment(layout, list(layout.initial), locations=(0,))
     fault: tuple[RuntimeErrorKind, Span] | None = None
     try:

@@ -23,11 +23,11 @@ from tachk.engine.compiler.program import (
 )
 from tachk.engine.compiler.program import Test as SlotTest
 from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term, bound_variable, conditional, deadlock, quantifier
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import BOOL, Conditional, Constant, Expression, QuantifierKind
 from tachk.model.network import Network
 from tachk.model.types import ArrayType, ClockType, IntType
+from tachk.model.variable_layout import variable_layout
 from tests.support.machine import Machine, initial_slots
 
 
@@ -58,7 +58,7 @@ class Model:
         return program, goals[0]
 
     def slot(self, term: Term) -> int:
-        layout = cell_layout(self.network.build())
+        layout = variable_layout(self.network.build())
         (variable,) = (v for v in layout.first if v is getattr(term.expression, "variable", None))
         return 1 + layout.first[variable]
 
@@ -396,9 +396,9 @@ STATES = st.tuples(
 
 
 def machine_in(program: Program, network: Network, state: tuple[int, int, int, list[int]]) -> tuple[Machine, list[int]]:
-    """A machine and the evaluator's cells in the given state."""
+    """A machine and the evaluator's slots in the given state."""
     location, n, flag, table = state
-    values = list(cell_layout(network).initial)
+    values = list(variable_layout(network).initial)
     values[:5] = [n, flag, *table]
     slots = initial_slots(program)
     slots[: 1 + len(values)] = [location, *values]
@@ -416,7 +416,7 @@ def test_a_goal_means_its_predicate(
     program, (goal,) = lower(NETWORK, [predicate.expression])
     machine, values = machine_in(program, NETWORK, state)
     environment = Environment(
-        cell_layout(NETWORK), values, locations=(state[0],), clocks=clocks, deadlock=lambda: stuck
+        variable_layout(NETWORK), values, locations=(state[0],), clocks=clocks, deadlock=lambda: stuck
     )
     reached = any(
         disjunct.deadlock in (DeadlockLiteral.ABSENT, DeadlockLiteral.REQUIRED if stuck else DeadlockLiteral.FORBIDDEN)
@@ -441,6 +441,6 @@ def test_a_compiled_condition_means_its_expression(
     network = with_guard(guard.expression)
     program, _ = lower(network)
     machine, values = machine_in(program, network, state)
-    environment = Environment(cell_layout(network), values, locations=(state[0],), clocks=clocks)
+    environment = Environment(variable_layout(network), values, locations=(state[0],), clocks=clocks)
     actual = condition_holds(program.locations[0][0].invariant, machine, clocks)
     assert actual == (evaluate(guard.expression, environment) != 0)

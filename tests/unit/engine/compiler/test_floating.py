@@ -20,12 +20,12 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Program
 from tachk.engine.compiler.slot_layout import SlotLayout
 from tachk.formats.loading.load import load_model
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import Assign, Call, Constant, Function
 from tachk.model.fault import EvaluationFault, RuntimeErrorKind
 from tachk.model.floating import FloatingOperation, halves, number_of
 from tachk.model.network import Network
+from tachk.model.variable_layout import variable_layout
 from tests.support.machine import Machine, initial_slots
 from tests.support.seeds import enough, seeds
 
@@ -178,7 +178,7 @@ def function_of(network: Network) -> Function:
 
 
 def evaluated(network: Network, base: Program, function: Function, pair: tuple[int, int]) -> int | RuntimeErrorKind:
-    layout = cell_layout(network)
+    layout = variable_layout(network)
     call = Call(function, tuple(map(Constant, pair)), function.result)
     try:
         expected: int | RuntimeErrorKind = evaluate(call, Environment(layout, list(layout.initial)))

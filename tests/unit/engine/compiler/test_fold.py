@@ -9,7 +9,6 @@ import pytest
 from tachk.analysis.fold import Known, apply_binary, cannot_fail, fold, known_values
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     BOOL,
@@ -30,6 +29,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, IntType, VoidType
+from tachk.model.variable_layout import variable_layout
 
 NETWORK = NetworkBuilder()
 N = NETWORK.integer("n", 0, 9)
@@ -92,7 +92,7 @@ def test_arithmetic_wraps_around() -> None:
 
 @pytest.mark.parametrize("operator", list(BinaryOperator))
 def test_every_operator_means_what_the_evaluator_says(operator: BinaryOperator) -> None:
-    layout = cell_layout(NETWORK.build())
+    layout = variable_layout(NETWORK.build())
     for left, right in product((-8, -1, 0, 1, 7), (-3, 0, 1, 2, 31)):
         try:
             expected = evaluate(Binary(operator, Constant(left), Constant(right), INT), Environment(layout, []))

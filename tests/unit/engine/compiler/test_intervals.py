@@ -12,7 +12,6 @@ from tachk.analysis.fold import Known
 from tachk.analysis.intervals import interval
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
-from tachk.model.cell_layout import cell_layout
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (
     INT,
@@ -34,6 +33,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.fault import EvaluationFault
 from tachk.model.types import ArrayType, IntType
+from tachk.model.variable_layout import variable_layout
 
 NETWORK = NetworkBuilder()
 A = NETWORK.integer("a", -4, 3)
@@ -41,7 +41,7 @@ B = NETWORK.integer("b", 0, 6)
 TABLE = NETWORK.declare("table", ArrayType(IntType(), IntType(0, 3)), (10, -40, 30, 20))
 NETWORK.process("P").location("only")
 MODEL = NETWORK.build()
-LAYOUT = cell_layout(MODEL)
+LAYOUT = variable_layout(MODEL)
 KNOWN = Known({MODEL.variables[2]: (10, -40, 30, 20)})
 
 ARITHMETIC = [
@@ -96,7 +96,7 @@ def test_no_value_lies_outside(term: Term) -> None:
             assert low <= value <= high
 
 
-def test_a_known_table_counts_with_the_cells_that_the_index_can_reach() -> None:
+def test_a_known_table_counts_with_the_slots_that_the_index_can_reach() -> None:
     assert interval(TABLE[B % 2].expression, KNOWN) == (-40, 10)
     assert interval(TABLE[conditional(A < 0, 2, 3)].expression, KNOWN) == (20, 30)
 
@@ -118,7 +118,7 @@ PAIRS = NetworkBuilder()
 LEFT = [PAIRS.integer(f"left{number}", *bounds) for number, bounds in enumerate(RANGES)]
 RIGHT = [PAIRS.integer(f"right{number}", *bounds) for number, bounds in enumerate(RANGES)]
 PAIRS.process("P").location("only")
-CELLS = cell_layout(PAIRS.build())
+SLOTS = variable_layout(PAIRS.build())
 
 
 @pytest.mark.parametrize("operator", list(BinaryOperator))
@@ -127,10 +127,10 @@ def test_every_operator_on_every_pair_of_ranges(operator: BinaryOperator) -> Non
         term = Binary(operator, LEFT[i].expression, RIGHT[j].expression, INT)
         low, high = interval(term, Known())
         for a, b in product(_inclusive(RANGES[i]), _inclusive(RANGES[j])):
-            values = list(CELLS.initial)
+            values = list(SLOTS.initial)
             values[i], values[4 + j] = a, b
             try:
-                value = evaluate(term, Environment(CELLS, values))
+                value = evaluate(term, Environment(SLOTS, values))
             except EvaluationFault:
                 continue
             assert low <= value <= high, (RANGES[i], RANGES[j], a, b)

@@ -43,7 +43,7 @@ def single(build: Callable[[NetworkBuilder], list[Term]]) -> tuple[Network, Prog
     return built, lower(built)[0].edges[0]
 
 
-def test_slots_are_locations_then_cells_and_clocks_hold_their_numbers() -> None:
+def test_slots_are_locations_then_variables_and_clocks_hold_their_numbers() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 1, 9)
     network.channel("c", size=2)

@@ -251,10 +251,10 @@ def group_of(
 ) -> SymmetryGroup:
     """A group by the names of what belongs to its members, and of what may hold names of them."""
     processes, layout = [process.name for process in model.network.processes], model.layout
-    numbers = {name: len(processes) + cell for cell, name in enumerate(layout.names)}
+    numbers = {name: len(processes) + slot for slot, name in enumerate(layout.names)}
     numbers |= {name: number for number, name in enumerate(processes)}
-    clocks = {layout.names[cell]: 1 + number for number, cell in enumerate(layout.clock_cells)}
-    channels = {layout.names[cell]: number for number, cell in enumerate(layout.channel_cells)}
+    clocks = {layout.names[slot]: 1 + number for number, slot in enumerate(layout.clock_slots)}
+    channels = {layout.names[slot]: number for number, slot in enumerate(layout.channel_slots)}
     own = [member.split() for member in members]
     return SymmetryGroup(
         tuple(tuple(numbers[name] for name in each if name not in {*clocks, *channels}) for each in own),
@@ -301,7 +301,7 @@ def test_names_must_move_with_their_members() -> None:
     assert objection({}, named="") is not None
 
 
-def test_cells_that_are_exchanged_have_the_same_range() -> None:
+def test_slots_that_are_exchanged_have_the_same_range() -> None:
     text = text_of({}).replace("int[0, 9] a = 0, b = 0;", "int[0, 9] a = 0; int[0, 8] b = 0;")
     model = prepare(tachk.loads(text).network)
     assert (
@@ -380,7 +380,7 @@ def test_groups_that_describe_no_exchanges_are_malformed() -> None:
     model = prepare(tachk.loads(text_of({})).network)
     group = group_of(model, BOTH, "owner", (1, 2))
     width = len(model.network.processes) + len(model.layout.initial)
-    clock = len(model.network.processes) + model.layout.clock_cells[0]
+    clock = len(model.network.processes) + model.layout.clock_slots[0]
     wrong = [
         replace(group, slots=(group.slots[0], group.slots[0])),
         replace(group, slots=(group.slots[0], group.slots[1][:-1])),

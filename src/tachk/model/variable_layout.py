@@ -1,7 +1,7 @@
-"""The layout of the variables of a network in a state: the numbering of cells, clocks and channels.
+"""The layout of the variables of a network in a state: the numbering of slots, clocks and channels.
 
-Cells are numbered in the order of `Network.all_variables`, clocks from 1 and channels from 0 in the same order. The
-cell of a clock or channel holds its number.
+Slots are numbered in the order of `Network.all_variables`, clocks from 1 and channels from 0 in the same order. The
+slot of a clock or channel holds its number.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from tachk.model.types import (
 
 
 @dataclass(frozen=True, slots=True)
-class CellLayout:
+class VariableLayout:
     """Attributes:
-    first: the number of a variable's first cell.
-    names: one for each cell: ``x``, ``P.a[2].b``.
-    types: the leaf type of each cell.
-    ranges: smallest and largest value of each cell; a clock or channel is pinned to its number.
-    initial: the content of each cell in the initial state.
-    meta: whether the cell belongs to a meta variable.
-    clock_cells: the cell of each clock; entry i belongs to clock number i + 1.
-    channel_cells: the cell of each channel; entry i belongs to channel number i.
+    first: the number of a variable's first slot.
+    names: one for each slot: ``x``, ``P.a[2].b``.
+    types: the leaf type of each slot.
+    ranges: smallest and largest value of each slot; a clock or channel is pinned to its number.
+    initial: the content of each slot in the initial state.
+    meta: whether the slot belongs to a meta variable.
+    clock_slots: the slot of each clock; entry i belongs to clock number i + 1.
+    channel_slots: the slot of each channel; entry i belongs to channel number i.
     starts: what each clock shows at first; entry i belongs to clock number i + 1.
     """
 
@@ -47,12 +47,12 @@ class CellLayout:
     ranges: tuple[tuple[int, int], ...]
     initial: tuple[int, ...]
     meta: tuple[bool, ...]
-    clock_cells: tuple[int, ...]
-    channel_cells: tuple[int, ...]
+    clock_slots: tuple[int, ...]
+    channel_slots: tuple[int, ...]
     starts: tuple[int, ...]
 
 
-def cell_layout(network: Network) -> CellLayout:
+def variable_layout(network: Network) -> VariableLayout:
     """The layout of a network's state."""
     first: dict[Variable, int] = {}
     names: list[str] = []
@@ -67,27 +67,27 @@ def cell_layout(network: Network) -> CellLayout:
         first[variable] = len(names)
         given = variable.initial
         for position, (path, leaf) in enumerate(leaves(variable.type)):
-            cell = len(names)
+            slot = len(names)
             match leaf:
                 case ClockType():
-                    clocks.append(cell)
+                    clocks.append(slot)
                     value = len(clocks)
                     starts.append(given[position] if given else 0)
                     ranges.append((value, value))
                 case ChannelType():
                     value = len(channels)
-                    channels.append(cell)
+                    channels.append(slot)
                     ranges.append((value, value))
                 case IntType() | BoolType() | ScalarType():
                     value = given[position] if given else default_value(leaf)
                     ranges.append(bounds(leaf))
                 case _:
-                    raise TypeError(f"{leaf} is not the type of a cell")
+                    raise TypeError(f"{leaf} is not the type of a slot")
             names.append(variable.name + path)
             types.append(leaf)
             initial.append(value)
             meta.append(network.resets(variable))
-    return CellLayout(
+    return VariableLayout(
         first,
         tuple(names),
         tuple(types),
@@ -103,40 +103,40 @@ def cell_layout(network: Network) -> CellLayout:
 def begun_clocks(network: Network) -> Iterator[Variable]:
     """The variables with a clock that does not begin with 0."""
     for variable in network.all_variables():
-        cells = zip(leaves(variable.type), variable.initial, strict=False)
-        if any(value != 0 and isinstance(leaf, ClockType) for (_, leaf), value in cells):
+        slots = zip(leaves(variable.type), variable.initial, strict=False)
+        if any(value != 0 and isinstance(leaf, ClockType) for (_, leaf), value in slots):
             yield variable
 
 
-def cell_bounds(leaf: Type) -> tuple[int, int]:
-    """The legal range of a cell; raises TypeError for types that have none."""
+def slot_bounds(leaf: Type) -> tuple[int, int]:
+    """The legal range of a slot; raises TypeError for types that have none."""
     if isinstance(leaf, IntType | BoolType | ScalarType):
         return bounds(leaf)
     raise TypeError(f"{leaf} has no range")
 
 
 def default_value(leaf: Type) -> int:
-    """The value of an uninitialised cell: 0, or the lower bound where 0 is outside the range."""
+    """The value of an uninitialised slot: 0, or the lower bound where 0 is outside the range."""
     if isinstance(leaf, IntType) and not leaf.low <= 0 <= leaf.high:
         return leaf.low
     return 0
 
 
-def default_cells(type_: Type) -> tuple[int, ...]:
+def default_values(type_: Type) -> tuple[int, ...]:
     """The content of an uninitialised variable; clocks and channels get 0 as a placeholder."""
     match type_:
         case ArrayType():
-            return default_cells(type_.element) * type_.size
+            return default_values(type_.element) * type_.size
         case RecordType():
-            return tuple(cell for _, field in type_.fields for cell in default_cells(field))
+            return tuple(slot for _, field in type_.fields for slot in default_values(field))
         case VoidType():
             return ()
         case IntType() | BoolType() | ScalarType() | ClockType() | ChannelType():
             return (default_value(type_),)
 
 
-def cell_range(type_: Type) -> tuple[int, int]:
-    """The legal values of a cell; numbers of clocks and channels in a frame are not limited."""
+def slot_range(type_: Type) -> tuple[int, int]:
+    """The legal values of a slot; numbers of clocks and channels in a frame are not limited."""
     if isinstance(type_, IntType | BoolType | ScalarType):
         return bounds(type_)
     return CONSTANT_LOW, CONSTANT_HIGH
