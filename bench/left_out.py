@@ -14,7 +14,7 @@ from random import Random
 
 from tachk import Limits
 from tachk.verify import over_approximations
-from tests.support.lossy.halves import compare, random_halves
+from tests.support.independent.lossy_links import compare, random_halves
 
 _LIMITS = Limits(states=10_000)
 

@@ -153,7 +153,7 @@ def test_another_wrong_query_is_a_difference(capsys: pytest.CaptureFixture[str])
     assert capsys.readouterr().out == "queries that are wrong\n  - E<> Gone.y\n  + E<> Gone.x\n"
 
 
-def test_a_query_about_an_absent_process_is_refused_and_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_query_about_an_absent_process_is_rejected_and_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     Path("a.xml").write_text(VARIANTS.replace("<query><formula>E&lt;&gt; Gone.s</formula><comment/></query>", ""))
     convert("a.xml", "a.ta")
     for name in ("a.xml", "a.ta"):

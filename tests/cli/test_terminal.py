@@ -39,7 +39,7 @@ def test_characters_that_a_stream_does_not_have_are_replaced(model: Path, encodi
     assert b"P: a -> b" in done.stdout
 
 
-def test_a_name_that_is_no_text_is_told(tmp_path: Path) -> None:
+def test_a_name_that_is_no_text_is_reported(tmp_path: Path) -> None:
     done = tachk("check", os.fsdecode(os.fsencode(tmp_path) + b"/\xff.ta"))
     assert done.returncode == 2
     assert b"?.ta" in done.stderr
@@ -210,7 +210,7 @@ def test_requirements_for_which_nobody_waits(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device that is always full")
 @pytest.mark.parametrize("arguments", [["--help"], ["verify", "--help"]])
-def test_a_full_disk_is_told(arguments: list[str]) -> None:
+def test_a_full_disk_is_reported(arguments: list[str]) -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
         command = [sys.executable, "-m", "tachk", *arguments]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)

@@ -281,7 +281,7 @@ def test_a_trace_of_valuations(folder: Path) -> None:
     assert "State\n( P.B )\nx>=2 isStable=1\n" in err
 
 
-def test_no_trace_unless_asked_for(folder: Path) -> None:
+def test_no_trace_unless_requested(folder: Path) -> None:
     assert verifyta("m.xml").err == ""
     assert "Generating no trace" in verifyta("m.xml").out
 

@@ -15,7 +15,7 @@ def line_of(diagnostic: Diagnostic) -> int:
     return diagnostic.span.source.line_column(diagnostic.span.start)[0]
 
 
-def test_advice_is_not_refused() -> None:
+def test_advice_is_not_rejected() -> None:
     accepted = followed = 0
     for block, diagnostic in advised():
         for text in mended(diagnostic) or ():

@@ -81,7 +81,7 @@ def monitored(
 
 
 @pytest.mark.parametrize("unit", ["", "time_unit = 10 ms;"])
-def test_runs_are_judged_as_monitors_judge_them(unit: str) -> None:
+def test_runs_are_evaluated_as_monitors_judge_them(unit: str) -> None:
     model, random, runs = flagged(unit), Random(5), 12
     seen: Counter[Truth] = Counter()
     ended: Counter[SimulationEnding] = Counter()

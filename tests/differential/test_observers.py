@@ -128,7 +128,7 @@ def test_an_observer_says_what_the_monitor_says_of_windows_that_ended_before_now
 
 
 @pytest.mark.parametrize("block", range(3))
-def test_what_sets_no_deadline_is_judged_as_a_run_whose_values_stay_for_ever(block: int) -> None:
+def test_what_sets_no_deadline_is_evaluated_as_a_run_whose_values_stay_for_ever(block: int) -> None:
     answers = []
     for seed in seeds(range(60 * block, 60 * block + 60)):
         case = endless_observer_case(Random(seed))

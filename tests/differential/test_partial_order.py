@@ -275,7 +275,7 @@ def test_others_may_come_first(name: str) -> None:
         assert outcome.goals[0].status is Status.REACHED, on
 
 
-def test_a_run_is_told_past_an_error_that_was_put_off() -> None:
+def test_a_run_is_reported_past_an_error_that_was_put_off() -> None:
     """The error of p is met in the second state only, and is on the way again when the run to that state is told."""
     loaded = tachk.loads(
         "int[0, 3] n;"

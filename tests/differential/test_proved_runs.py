@@ -20,7 +20,7 @@ def test_a_proved_formula_is_false_on_no_simulated_run() -> None:
     assert [judged for judged in found if judged.truth is Truth.FALSE] == []
 
 
-def test_runs_that_end_early_are_judged_as_their_replays() -> None:
+def test_runs_that_end_early_are_evaluated_as_their_replays() -> None:
     found = [judged for seed in seeds(range(80)) for judged in judged_twice(seed, runs=2)]
     assert [judged for judged in found if not judged.agrees] == []
     assert enough(
@@ -60,7 +60,7 @@ DEAD_END = "process P() { init location a { to b; } committed location b; locati
         (DEAD_END, "G !P.b", True, "undetermined"),
     ],
 )
-def test_a_run_that_ends_in_a_time_lock_is_judged_alike(
+def test_a_run_that_ends_in_a_time_lock_is_evaluated_alike(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, formula: str, proved: bool, verdict: str
 ) -> None:
     assert verdicts(tmp_path, capsys, model, formula, ()) == (0 if proved else 10, verdict, verdict)
@@ -76,7 +76,7 @@ def test_a_run_that_ends_in_a_time_lock_is_judged_alike(
         (URGENT, "G P.a", 2, "true"),
     ],
 )
-def test_a_run_that_ends_after_some_steps_is_judged_alike(
+def test_a_run_that_ends_after_some_steps_is_evaluated_alike(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], model: str, formula: str, steps: int, verdict: str
 ) -> None:
     assert verdicts(tmp_path, capsys, model, formula, ("--max-steps", str(steps)))[1:] == (verdict, verdict)

@@ -74,7 +74,7 @@ def test_sizes_of_arrays_in_tchecker_files(capsys: pytest.CaptureFixture[str], s
     assert run(capsys, "check", "m.tck")[0] == 2
 
 
-def test_selects_of_too_many_values_are_refused_by_whoever_tries_them(capsys: pytest.CaptureFixture[str]) -> None:
+def test_selects_of_too_many_values_are_rejected_where_they_are_tried(capsys: pytest.CaptureFixture[str]) -> None:
     Path("m.ta").write_text(
         "int n; process P() { init location A { to A { select i : int[0, 1073741823]; guard i == 5; } } } system P;"
     )
@@ -123,7 +123,7 @@ def test_json_that_no_report_is(capsys: pytest.CaptureFixture[str], text: str) -
         "update rows set transitions = 'many'",
     ],
 )
-def test_damaged_stores_are_told(capsys: pytest.CaptureFixture[str], change: str) -> None:
+def test_damaged_stores_are_reported(capsys: pytest.CaptureFixture[str], change: str) -> None:
     sweep = ("sweep", "lamp.ta", "-D", "LIMIT=1..2", "-j", "1", "--property", "few", "--store", "s.sqlite")
     assert run(capsys, *sweep)[0] == 0
     with contextlib.closing(sqlite3.connect("s.sqlite")) as database:

@@ -47,7 +47,7 @@ def mutate(text: str, random: Random) -> str:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_mutated_models_are_loaded_or_refused(seed: int, tmp_path: Path) -> None:
+def test_mutated_models_are_loaded_or_rejected(seed: int, tmp_path: Path) -> None:
     random, originals = Random(seed), seeds()
     for _ in range(MUTANTS):
         source = Source(str(tmp_path / "m.ta"), mutate(random.choice(originals), random))

@@ -29,7 +29,7 @@ def test_anything_else_is_a_defect(status: int, said: str) -> None:
     assert wrong(status, said) is not None
 
 
-def test_a_defect_is_told_with_its_place() -> None:
+def test_a_defect_is_reported_with_its_place() -> None:
     said = 'Traceback (most recent call last):\n  File "a.py", line 1, in f\n    g()\nValueError: x\nerror: report it'
     assert wrong(70 << 8, said) == 'status 70: ValueError: x at File "a.py", line 1, in f'
     assert os.WIFEXITED(70 << 8)

@@ -97,7 +97,7 @@ def test_an_operator_as_its_documentation_has_it(model: str, query: str, holds: 
     assert (None if found.trace is None else found.trace.ending) is ending
 
 
-def test_the_workaround_that_is_taken_again_and_again_is_told_as_a_loop() -> None:
+def test_the_workaround_that_is_taken_again_and_again_is_reported_as_a_loop() -> None:
     run = verdict(PATCH, "Machine.Broken --> Machine.Mended").trace
     assert run is not None and run.loop_start is not None
     names = ("Works", "Broken", "Patched", "Mended")

@@ -180,7 +180,7 @@ def _open_matches() -> Iterator[str]:
             )
 
 
-def test_what_a_match_does_not_name_is_refused_or_has_a_reason() -> None:
+def test_what_a_match_does_not_name_is_rejected_or_has_a_reason() -> None:
     listed = [name for names in REASONS.values() for name in names]
     assert len(listed) == len(set(listed))
     assert set(_open_matches()) == set(listed)

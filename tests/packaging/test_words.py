@@ -148,8 +148,11 @@ def offenders() -> Iterator[str]:
 CORE = ROOT / "src" / "core"
 
 REPLACED_IN_CORE = {
-    "asked", "told", "blueprint", "course", "crew", "corridor", "harvest", "listener", "outlook", "reception", "shelf",
-    "shelves", "sight", "station", "stretch", "surrounding", "twin",
+    "ask", "asked", "attempt", "beat", "blueprint", "budget", "bystander", "carried", "corridor", "course", "crew",
+    "follower", "forgotten", "harvest", "hear", "heard", "judged", "judging", "kept", "listener", "look", "looked",
+    "offer", "outlook", "pace", "reading", "reception", "refusal", "refuse", "refused", "relaxed", "ring", "shelf",
+    "shelves", "sight", "sketch", "somebody", "spectator", "station", "stretch", "surrounding", "team", "tell",
+    "told", "twin", "unite", "united", "weaker",
 }  # fmt: skip
 """Words that names of the core do not contain."""
 

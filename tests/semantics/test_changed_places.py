@@ -44,7 +44,7 @@ def test_what_stands_inside_is_done_first(statements: str, claim: str) -> None:
 
 
 @pytest.mark.parametrize("statements", ["(a[i] = i = 2) += 1;", "(a[i++] = 3) += 2;"])
-def test_order_that_would_matter_is_refused(statements: str) -> None:
+def test_order_that_would_matter_is_rejected(statements: str) -> None:
     text = MODEL.format(statements=statements, claim="true")
     with pytest.raises(UnsupportedError, match=r"where its order matters|function `f`"):
         assert load_model(Source("model.ta", text)).network

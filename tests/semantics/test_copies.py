@@ -207,7 +207,7 @@ def looping(update: str) -> tachk.Model:
     )
 
 
-def test_differences_that_copies_change_without_end_are_refused() -> None:
+def test_differences_that_copies_change_without_end_are_rejected() -> None:
     with pytest.raises(UnsupportedError) as caught:
         looping("x = y + 1, y = x").verify()
     assert caught.value.diagnostic.code == "E0712"

@@ -54,7 +54,7 @@ def test_what_is_assigned_to_them_is_left_out() -> None:
         ("total = u == v[0]", "comparing values of type s_t, which contain floating point numbers, is not supported"),
     ],
 )
-def test_what_reads_them_is_refused(update: str, message: str) -> None:
+def test_what_reads_them_is_rejected(update: str, message: str) -> None:
     assert message in [refusal.message for refusal in load(update).refusals]
 
 
@@ -109,7 +109,7 @@ def test_what_is_assigned_to_them_may_be_a_run_time_error() -> None:
         ("g = d[0] + next()", "the floating point variable `d` is not supported here"),
     ],
 )
-def test_other_uses_of_parts_are_refused(update: str, message: str) -> None:
+def test_other_uses_of_parts_are_rejected(update: str, message: str) -> None:
     loaded = load_model(Source("model.ta", PARTS.format(update=update)))
     assert message in [refusal.message for refusal in loaded.refusals]
 

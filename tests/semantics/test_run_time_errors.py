@@ -56,7 +56,7 @@ BUFFER = """
     ("query", "answer"),
     [("E<> Consumer.Busy", "holds"), ("A[] not Producer.Full", "fails"), ("A[] not deadlock", "fails")],
 )
-def test_a_receiver_is_asked_for_its_guard_only_by_a_sender(urgent: str, query: str, answer: str) -> None:
+def test_the_guard_of_a_receiver_is_evaluated_only_for_a_sender(urgent: str, query: str, answer: str) -> None:
     found = verdict(BUFFER.format(urgent=urgent), query)
     assert found.answer.value == answer
     assert found.trace is not None
@@ -97,7 +97,7 @@ SENDER = """
 """
 
 
-def test_a_sender_is_asked_for_its_guard_also_where_nobody_receives() -> None:
+def test_the_guard_of_a_sender_is_evaluated_also_where_nobody_receives() -> None:
     found = verdict(SENDER, "A[] P.A || P.B")
     assert found.answer.value == "unknown"
     assert found.fault is not None

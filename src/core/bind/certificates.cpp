@@ -103,9 +103,9 @@ void bind_certificates(nb::module_& m) {
            }),
            nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::kw_only(), nb::arg("hulls"))
       .def("run", &run_patiently<CoverSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
-           nb::arg("look") = nb::none(),
+           nb::arg("poll") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
-      .def("reached", &CoverSearch::reached, "Whether a goal is reached, and there is no such set.")
+      .def("reached", &CoverSearch::reached, "True if a goal is reached, and there is no such set.")
       .def(
           "statistics",
           [](const CoverSearch& self) {
@@ -114,7 +114,7 @@ void bind_certificates(nb::module_& m) {
           },
           "(explored, stored, transitions, bytes)")
       .def("cover", &CoverSearch::cover, nb::rv_policy::reference_internal,
-           "What covers all that can be reached, of a finished search.");
+           "The symbolic states that cover all reachable ones, of a finished search.");
   bind_closed_set(m);
 }
 

@@ -112,18 +112,18 @@ void bind_csv(nb::module_& m) {
       .def(
           "rows", [](const CsvReader& self) { return self.times().size(); }, "How many rows wait to be taken.")
       .def("left_out", &CsvReader::left_out, "How many rows come before every column has a value.")
-      .def("any_row", &CsvReader::any_row, "Whether a row has been read.")
+      .def("any_row", &CsvReader::any_row, "True if a row has been read.")
       .def(
           "decimals", [](const CsvReader& self) { return self.times().decimals(); },
           "Times are counted in units of 10 to the minus this.")
       .def(
-          "rounded", [](const CsvReader& self) { return self.times().rounded(); }, "Whether some time was rounded.")
+          "rounded", [](const CsvReader& self) { return self.times().rounded(); }, "True if some time was rounded.")
       .def(
           "shortened", [](const CsvReader& self) { return self.times().shortened(); },
-          "Whether some time was read as the shorter decimal number of a double.")
+          "True if some time was read as the shorter decimal number of a double.")
       .def(
           "unprinted", [](const CsvReader& self) { return self.times().unprinted(); },
-          "Whether some time has as many digits, and is not what a double prints as.")
+          "True if some time has as many digits, and is not what a double prints as.")
       .def("take_arrivals", &take_arrivals, "Of the columns that tell it, whether each row had a value; before `take`.")
       .def("take", &take_rows,
            "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")

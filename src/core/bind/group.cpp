@@ -44,10 +44,10 @@ nb::object python_int(int128 number) {
 
 struct Group {
   Group(std::vector<MonitorGroup::Watched> watched, const std::vector<std::string>& columns, bool quantitative,
-        bool all_violations, const monitoring::TickScale& scale_, std::int64_t reach, std::size_t most_kept,
+        bool all_violations, const monitoring::TickScale& scale_, std::int64_t reach, std::size_t most_rows,
         nb::object exact_, nb::object truths_)
       : scale(scale_),
-        group(std::move(watched), columns.size(), quantitative, all_violations, scale_, reach, most_kept),
+        group(std::move(watched), columns.size(), quantitative, all_violations, scale_, reach, most_rows),
         row(columns.size()),
         views(columns.size()),
         exact(std::move(exact_)),
@@ -200,7 +200,7 @@ struct Group {
 
 std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const std::vector<std::string>& columns,
                                   bool quantitative, bool all_violations, int decimals, std::int64_t parts,
-                                  std::int64_t reach, std::size_t most_kept, nb::object exact, nb::object truths) {
+                                  std::int64_t reach, std::size_t most_rows, nb::object exact, nb::object truths) {
   std::vector<MonitorGroup::Watched> watched;
   for (const nb::object& program : programs) {
     MonitorGroup::Watched each{monitor_program_from(program), {}};
@@ -212,7 +212,7 @@ std::unique_ptr<Group> make_group(const std::vector<nb::object>& programs, const
     watched.push_back(std::move(each));
   }
   return std::make_unique<Group>(std::move(watched), columns, quantitative, all_violations,
-                                 monitoring::TickScale(decimals, parts), reach, most_kept, std::move(exact),
+                                 monitoring::TickScale(decimals, parts), reach, most_rows, std::move(exact),
                                  std::move(truths));
 }
 
@@ -230,11 +230,11 @@ std::vector<std::pair<std::int64_t, std::int64_t>> pairs_of(const std::vector<mo
   return pairs;
 }
 
-nb::tuple kept_rows(const Group& self) {
+nb::tuple retained_rows(const Group& self) {
   const auto copied = [](auto values) { return as_array(std::vector(values.begin(), values.end())); };
   nb::list columns;
-  for (std::size_t n = 0; n < self.group.columns(); ++n) columns.append(copied(self.group.kept_column(n)));
-  return nb::make_tuple(copied(self.group.kept_ticks()), columns, self.group.kept_all());
+  for (std::size_t n = 0; n < self.group.columns(); ++n) columns.append(copied(self.group.retained_column(n)));
+  return nb::make_tuple(copied(self.group.retained_ticks()), columns, self.group.has_all_rows());
 }
 
 using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -278,7 +278,7 @@ void bind_group(nb::module_& m) {
       .def("origin", [](const Group& self) { return python_int(self.group.origin()); })
       .def(
           "now", [](const Group& self) { return self.group.now(); }, "Since the origin.")
-      .def("retained_rows", &kept_rows, "(ticks since the origin, columns, whether these are all rows)")
+      .def("retained_rows", &retained_rows, "(ticks since the origin, columns, whether these are all rows)")
       .def(
           "verdict_of",
           [](const Group& self, std::size_t n) { return static_cast<int>(self.group.monitor(n).verdict()); },

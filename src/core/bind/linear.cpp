@@ -44,7 +44,8 @@ void bind_linear(nb::module_& m) {
             nb::gil_scoped_release released;
             static_cast<void>(self.robustness(node, high));
           },
-          nb::arg("node"), nb::arg("high"), "What `robustness` of the node needs; operands first makes short steps.")
+          nb::arg("node"), nb::arg("high"),
+          "The nodes that `robustness` of the node needs; operands first makes short steps.")
       .def(
           "robustness",
           [](Monitor& self, std::size_t node, bool high) {

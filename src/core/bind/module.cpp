@@ -18,7 +18,7 @@
 #include "certificates.hpp"
 #include "csv.hpp"
 #include "group.hpp"
-#include "judging/runs.hpp"
+#include "judge/runs.hpp"
 #include "linear.hpp"
 #include "offline.hpp"
 #include "online.hpp"
@@ -45,7 +45,7 @@ using FaultTuple = std::tuple<FaultKind, int, std::vector<std::vector<std::uint3
 
 using FailureTuple = std::tuple<FaultKind, int, symbolic::Path>;
 
-// The members have the names of those in tachk.engine.options and tachk.model.fault; the numbers are nobody's
+// The members have the names of those in tachk.engine.options and tachk.model.fault; the numbers are no other module's
 // business.
 void bind_enumerations(nb::module_& m) {
   nb::enum_<SearchOrder> search_orders(m, "SearchOrder");
@@ -110,7 +110,7 @@ void bind_options(nb::module_& m) {
       .def_rw("partial_order", &Options::partial_order)
       .def_rw("shortest", &Options::shortest)
       .def_rw("proof_after", &Options::proof_after)
-      .def_rw("attempts", &Options::attempts)
+      .def_rw("attempts", &Options::depth_first)
       .def_rw("chunk_words", &Options::chunk_words)
       .def_rw("rows_after", &Options::rows_after);
   nb::class_<Limits>(m, "Limits")
@@ -118,7 +118,7 @@ void bind_options(nb::module_& m) {
       .def_rw("states", &Limits::states)
       .def_rw("memory_bytes", &Limits::memory_bytes)
       .def_rw("depth", &Limits::depth);
-  m.def("give_back_memory", &give_back_memory, "Gives the system back what the allocator keeps but nobody uses.");
+  m.def("give_back_memory", &give_back_memory, "Gives unused memory of the allocator back to the system.");
 }
 
 std::unique_ptr<Explorer> make_explorer(const std::vector<std::int64_t>& image, const reachability::Options& options,
@@ -148,7 +148,7 @@ NB_MODULE(_core, m) {
   nb::class_<Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
-           nb::arg("look") = nb::none(),
+           nb::arg("poll") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
@@ -159,7 +159,7 @@ NB_MODULE(_core, m) {
           "(explored, stored, transitions, bytes)")
       .def("discrete_states", &Explorer::discrete_states, "How many discrete states have been seen.")
       .def("reduced_states", &Explorer::reduced_states, "How many states were expanded with some actions only.")
-      .def("has_merged", &Explorer::has_merged, "Whether zones have been united.")
+      .def("has_merged", &Explorer::has_merged, "True if zones have been merged.")
       .def("reached", &Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("taken", &Explorer::taken, "The numbers of the edges that some action so far has taken, ascending.")
       .def(
@@ -176,11 +176,11 @@ NB_MODULE(_core, m) {
       .def("path", &Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
       .def("path_to_goal", &Explorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action on the way to where a goal was reached, or failed.")
-      .def("any_failure", &Explorer::any_failure, "Whether a predicate of some goal was a run-time error.")
+      .def("any_failure", &Explorer::any_failure, "True if a predicate of some goal was a run-time error.")
       .def("failure", &failure_of, nb::arg("goal"),
            "(kind, code position, path) of a run-time error in a predicate of a goal, or None.")
       .def("leads_to", &Explorer::leads_to, nb::arg("actions"), nb::arg("goal"),
-           "Whether these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
+           "True if these actions, as edge numbers, can end in a goal; for a fresh explorer without extrapolation.")
       .def("fault", &fault_of, "(kind, code position, path, edges of the action) of a run-time error, or None.")
       .def(
           "kernel", [](const Explorer& self) { return std::string(self.operations().name); },

@@ -1,4 +1,4 @@
-// What the monitors of whole traces take and give, as Python has it.
+// The arguments and results of the monitors of whole traces as Python objects.
 #pragma once
 
 #include <nanobind/nanobind.h>

@@ -50,7 +50,7 @@ void bind_values_of(nb::module_& m, const char* name, const char* description) {
       .def("finish", &Monitor::finish, nb::arg("end"), nb::call_guard<nb::gil_scoped_release>(),
            "The trace ends at this tick.")
       .def("lasting", &Monitor::lasting, "The value at the beginning if all values stay for ever.")
-      .def("settled", &Monitor::settled, "Whether further samples cannot change the results.")
+      .def("settled", &Monitor::settled, "True if further samples cannot change the results.")
       .def("bytes", &Monitor::bytes, "Memory held.")
       .def(
           "verdict",

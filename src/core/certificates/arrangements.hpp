@@ -1,8 +1,8 @@
-// Symbolic states with the members of groups in other places. A set that holds states up to exchanges covers what
-// exchanges lead into it. Which exchanges are tried is a guess: members are sorted by what is known of them, as the
-// search for certificates does; those of a ring come to every place. Whatever is tried is sound, because each exchange
-// maps the program onto itself, which whoever gives groups must have proved. tachk.meaning.judge.arrangements is the
-// same in Python.
+// Symbolic states with the members of groups in other places. A set that holds states up to permutations covers what
+// permutations lead into it. Which permutations are tried is a guess: members are sorted by what is known of them, as
+// the search for certificates does; those of a cyclic orbit come to every place. All that are tried are sound, because
+// each one maps the program onto itself, which the caller must have proved of its groups.
+// tachk.meaning.judge.arrangements is the same in Python.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,7 @@ class Arrangements final {
     }
   }
 
-  // Whether `covers(slots, zone)` is true of some arrangement of a symbolic state.
+  // True if `covers(slots, zone)` is true of some arrangement of a symbolic state.
   template <class Covers>
   bool some(Slots slots, Zone zone, Covers&& covers) const {
     std::vector<std::size_t> turns(groups_.size(), 0);
@@ -122,7 +122,7 @@ class Arrangements final {
     }
     return behind;
   }
-  // Whom a member names: itself, another one, nobody.
+  // The member that a member names: itself, another one, or none.
   void add_names(std::size_t number, std::size_t member, const Slots& slots, Facts& facts) const {
     const program::Interchangeable& group = groups_[number];
     for (std::size_t role = tables_[number].size(); role-- > 0;) {

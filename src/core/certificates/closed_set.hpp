@@ -3,8 +3,8 @@
 // be in ranked elements, from which each run meets the first goal: successors have smaller ranks or satisfy it, and
 // nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020). If the first goal is empty, that says that
 // the second one is not reached, for nothing has ranks then. If there is no second goal, the initial state has a rank.
-// Each state stands for all that exchanges of what is interchangeable in the program make of it: the union of these
-// sets is what is closed. The set is a proof only if each exchange maps the program and the goals onto themselves.
+// Each state stands for all that permutations of what is interchangeable in the program make of it: the union of these
+// sets is what is closed. The set is a proof only if each permutation maps the program and the goals onto themselves.
 // tachk.meaning.judge.closed_set is the same check in Python, which does without the compiler as well.
 #pragma once
 
@@ -21,8 +21,8 @@
 
 namespace tachk::certificates {
 
-// What is wrong with a set, and where: the discrete state, the zone among those of this discrete state, and the edges
-// of the action that leads out of the set.
+// The reason why a set is rejected, and where: the discrete state, the zone among those of this discrete state, and the
+// edges of the action that leads out of the set.
 struct Objection {
   std::string reason;
   std::vector<std::int32_t> discrete;
@@ -125,7 +125,7 @@ class ClosedSet final {
                               [&](const auto& slots, const Zone& arranged) { return covers(slots, arranged, below); });
   }
 
-  // Up to where something is asked of what waits in elements, and of what they lead to.
+  // The bound up to which elements and their successors are checked.
   const program::Goal& goal(std::int64_t rank) const {
     static const program::Goal never;
     return rank > 0 ? program_.goals[0] : never;

@@ -40,7 +40,7 @@ const Location& Network::location(std::size_t process, const Slots& slots) const
 const std::vector<std::uint32_t>& Network::leaving(std::size_t process, const Slots& slots) const {
   return leaving_[process][static_cast<std::size_t>(slots[process])];
 }
-// Whether the integer part of a condition holds; then its clock constraints are appended.
+// True if the integer part of a condition holds; then its clock constraints are appended.
 bool Network::holds(const program::Condition& condition, Slots& slots, Constraints& constraints) {
   for (const program::Test& test : condition.tests)
     if (!test.holds(slots.data())) return false;
@@ -101,7 +101,7 @@ void Network::describe(Situation& here) {
   here.waits = here.waits && here.possible && !(has_urgent_channels_ && is_urgent(here.slots));
 }
 
-// Whether an urgent channel can be used; edges over one compare no clocks.
+// True if an urgent channel can be used; edges over one compare no clocks.
 bool Network::is_urgent(Slots& slots) {
   Constraints ignored;
   for (std::size_t p = 0; p < program.processes.size(); ++p)
@@ -176,7 +176,7 @@ void Network::add_partner(Slots& slots, std::int32_t used, const Zone& zone, boo
       taking_part.pop_back();
     }
 }
-// A process that can hear a broadcast does, by any of its edges whose guard holds; else it stays out.
+// A process that can receive a broadcast does, by any of its edges whose guard holds; else it stays out.
 void Network::add_receivers(Slots& slots, std::size_t next, std::int32_t used, const Zone& zone, bool free) {
   const auto& processes = receivers_[static_cast<std::size_t>(used)];
   for (; next < processes.size(); ++next) {
@@ -246,7 +246,7 @@ void Network::hold_back_lower_priorities() {
 Zone Step::possible() const {
   Zone zone = guarded;
   for (zones::Atom atom : target.limits) {
-    // What the constraint asks before the clocks are set, the last one first.
+    // The constraint before the clocks are set, the last one first.
     for (auto reset = resets.rbegin(); reset != resets.rend(); ++reset) {
       if (atom.left == reset->clock) atom = {reset->source, atom.right, atom.raw - 2 * Raw{reset->value}};
       if (atom.right == reset->clock) atom = {atom.left, reset->source, atom.raw + 2 * Raw{reset->value}};

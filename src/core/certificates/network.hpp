@@ -1,6 +1,6 @@
-// What a compiled program means: written apart from the engine, to judge it, and as plainly as possible. Of the core it
-// uses the program (program/) and the machine that evaluates its expressions (machine/), nothing else. Nothing is
-// extrapolated, and no option changes anything. What cannot be evaluated throws ModelFault.
+// The meaning of a compiled program: written independently of the engine, to judge it, and as plainly as possible. Of
+// the core it uses the program (program/) and the machine that evaluates its expressions (machine/), nothing else.
+// Nothing is extrapolated, and no option changes anything. What cannot be evaluated throws ModelFault.
 #pragma once
 
 #include <cstddef>
@@ -59,7 +59,7 @@ class Network final {
   std::vector<std::int32_t> initial() const;
   // Makes a situation of its slots.
   void describe(Situation& here);
-  // What a zone becomes by waiting; more than that, if clocks are stopped.
+  // The delay successors of a zone; a superset if clocks are stopped.
   Zone later(const Situation& here, Zone zone) const;
   // The steps from a zone; those that a higher priority forbids come without the part where it does, in several pieces.
   std::span<Step> steps(Situation& here, const Zone& zone, Steps& room);
@@ -68,7 +68,7 @@ class Network final {
   Zones where(const program::Goal& goal, Situation& here, const Zone& zone, bool widely);
   // From where in a zone no step is possible, now or later; likewise.
   Zones stuck(Situation& here, const Zone& zone, bool widely);
-  // What is reached by waiting in a zone as long as a goal does not hold.
+  // The valuations that delays reach from a zone as long as a goal does not hold.
   Zones avoiding(const program::Goal& goal, Situation& here, const Zone& zone);
 
   const program::Program program;

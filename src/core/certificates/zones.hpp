@@ -72,7 +72,7 @@ struct Zone {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) at(i, j) = std::min(at(i, j), sum(at(i, k), at(k, j)));
   }
-  // What is reached when time passes; the smallest such zone if clocks stand still besides the reference clock.
+  // The valuations that delays reach; the smallest such zone if clocks stand still besides the reference clock.
   void go_on(const std::vector<bool>& stands) {
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)

@@ -127,7 +127,7 @@ CsvReader::CsvReader(CsvOptions options)
     const auto among = [cell](const std::vector<std::uint32_t>& cells) {
       return std::find(cells.begin(), cells.end(), cell) != cells.end();
     };
-    columns_[i].tells_arrivals = among(options.arrivals);
+    columns_[i].has_arrivals = among(options.arrivals);
     columns_[i].is_unread = columns_[i].is_known = among(options.unread);
     if (columns_[i].is_unread) columns_[i].is_text = columns_[i].is_number = true;
   }
@@ -140,19 +140,19 @@ void CsvReader::reserve(std::size_t rows) {
 
 bool CsvReader::feed(std::string_view piece) {
   if (fault_) return false;
-  if (!carried_.empty()) {
+  if (!pending_.empty()) {
     const std::size_t end = piece.find('\n');
-    carried_.append(piece.substr(0, end == std::string_view::npos ? piece.size() : end + 1));
+    pending_.append(piece.substr(0, end == std::string_view::npos ? piece.size() : end + 1));
     if (end == std::string_view::npos) {
-      if (carried_.size() > longest_line) {
+      if (pending_.size() > longest_line) {
         ++line_;
-        carried_.push_back('\n');
-        fail(CsvFaultKind::line_too_long, carried_.data(), carried_.data(), 0);
+        pending_.push_back('\n');
+        fail(CsvFaultKind::line_too_long, pending_.data(), pending_.data(), 0);
       }
       return !fault_;
     }
-    read_lines(carried_.data(), carried_.data() + carried_.size());
-    carried_.clear();
+    read_lines(pending_.data(), pending_.data() + pending_.size());
+    pending_.clear();
     piece.remove_prefix(end + 1);
     if (fault_) return false;
   }
@@ -162,17 +162,17 @@ bool CsvReader::feed(std::string_view piece) {
     if (read_lines(begin, begin + last + 1) == nullptr) return false;
     piece.remove_prefix(last + 1);
   }
-  carried_.assign(piece);
+  pending_.assign(piece);
   return true;
 }
 
 bool CsvReader::finish(bool whole) {
   if (fault_) return false;
-  if (!whole) carried_.clear();
-  if (!carried_.empty()) {
-    carried_.push_back('\n');
-    cut_off_ = read_lines(carried_.data(), carried_.data() + carried_.size()) == nullptr;
-    carried_.clear();
+  if (!whole) pending_.clear();
+  if (!pending_.empty()) {
+    pending_.push_back('\n');
+    cut_off_ = read_lines(pending_.data(), pending_.data() + pending_.size()) == nullptr;
+    pending_.clear();
   }
   if (!fault_ && any_row_ && !complete_) {
     for (std::size_t cell = 0; cell < plan_.size(); ++cell)
@@ -208,7 +208,7 @@ std::vector<CsvColumn> CsvReader::take_columns() {
 std::vector<std::vector<std::uint8_t>> CsvReader::take_arrivals() {
   std::vector<std::vector<std::uint8_t>> taken;
   for (CsvColumn& column : columns_)
-    if (column.tells_arrivals) taken.push_back(std::exchange(column.arrivals, {}));
+    if (column.has_arrivals) taken.push_back(std::exchange(column.arrivals, {}));
   return taken;
 }
 
@@ -244,8 +244,8 @@ const char* CsvReader::read_line(const char* begin) {
       end = skip_cell(p, begin, cell);
     } else {
       CsvColumn& column = columns_[static_cast<std::size_t>(step)];
-      end = column.is_text || column.tells_arrivals ? read_rare(column, p, begin, cell)
-                                                    : read_value(column, p, begin, cell);
+      end = column.is_text || column.has_arrivals ? read_rare(column, p, begin, cell)
+                                                  : read_value(column, p, begin, cell);
     }
     if (end == nullptr) return nullptr;
     const bool last = cell + 1 == cells;
@@ -261,7 +261,7 @@ const char* CsvReader::read_line(const char* begin) {
 const char* CsvReader::read_rare(CsvColumn& column, const char* begin, const char* line, std::int32_t cell) {
   held_ = false;
   const char* const end = column.is_text ? read_text(column, begin, line, cell) : read_value(column, begin, line, cell);
-  if (column.tells_arrivals) column.arrivals.push_back(held_ ? 0 : 1);
+  if (column.has_arrivals) column.arrivals.push_back(held_ ? 0 : 1);
   return end;
 }
 
@@ -519,7 +519,7 @@ void CsvReader::forget_partial_row() {
     } else {
       column.truths.resize(rows);
     }
-    if (column.tells_arrivals) column.arrivals.resize(rows);
+    if (column.has_arrivals) column.arrivals.resize(rows);
   }
 }
 

@@ -1,7 +1,7 @@
 // Recorded signals as comma-separated text: numbers and truth values, with one column of exact decimal times.
 //
 // Text arrives in pieces cut anywhere; whole lines are read as soon as they are there. The header is not this class's
-// business: the caller has found the columns. A fault stops the reading, and the rows before it stay available. The
+// business: the caller has found the columns. A fault ends it, and the rows before it stay available. The
 // rows begin when every column has a value; from then on an empty cell holds the one before.
 #pragma once
 
@@ -64,7 +64,7 @@ struct CsvColumn {
   bool has_words = false;
   bool is_text = false;   // then the numbers are places in `labels`
   bool is_known = false;  // it has had a value
-  bool tells_arrivals = false;
+  bool has_arrivals = false;
   bool is_unread = false;
   double last = 0;
   std::vector<std::uint8_t> arrivals;  // whether the cell of the row had a value
@@ -87,7 +87,7 @@ class CsvReader {
 
   const std::optional<CsvFault>& fault() const { return fault_; }
   const CsvTimes& times() const { return times_; }
-  // Whether a row has been read.
+  // True if a row has been read.
   bool any_row() const { return any_row_; }
   // How many rows there are before every column has a value.
   std::size_t left_out() const { return left_out_; }
@@ -95,7 +95,7 @@ class CsvReader {
   // Hands over what was read since the last time; the numbering of lines and the values to hold go on.
   std::vector<std::int64_t> take_times() { return times_.take(); }
   std::vector<CsvColumn> take_columns();
-  // Of the columns that tell arrivals, in the order of the columns; before the columns are taken.
+  // Of the columns with arrivals, in the order of the columns; before the columns are taken.
   std::vector<std::vector<std::uint8_t>> take_arrivals();
 
  private:
@@ -134,7 +134,7 @@ class CsvReader {
   bool cut_off_ = false;
   CsvTimes times_;
   std::vector<CsvColumn> columns_;
-  std::string carried_;  // the beginning of a line whose end has not come yet
+  std::string pending_;  // the beginning of a line whose end has not come yet
   std::optional<CsvFault> fault_;
 };
 

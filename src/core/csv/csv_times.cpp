@@ -15,7 +15,7 @@ bool same_number(Decimal a, Decimal b) {
 }
 
 bool is_smaller(Decimal a, Decimal b) {
-  // What does not fit when it is counted in the finer unit is larger than the other, which fits.
+  // A time that does not fit in the finer unit is larger than the other, which fits.
   for (; a.exponent > b.exponent && a.mantissa != 0; --a.exponent)
     if (__builtin_mul_overflow(a.mantissa, std::uint64_t{10}, &a.mantissa)) return false;
   for (; b.exponent > a.exponent && b.mantissa != 0; --b.exponent)

@@ -40,11 +40,11 @@ class CsvTimes {
 
   CsvTimeFault put(const Decimal& time) { return put_plain(time) ? CsvTimeFault::none : put_other(time); }
   std::uint32_t decimals() const { return options_.decimals; }
-  // Whether some time was rounded.
+  // True if some time was rounded.
   bool rounded() const { return rounded_; }
-  // Whether some time was read as the shorter decimal number of a double.
+  // True if some time was read as the shorter decimal number of a double.
   bool shortened() const { return shortened_; }
-  // Whether some time has as many digits, and is not what a double prints as.
+  // True if some time has as many digits, and is not what a double prints as.
   bool unprinted() const { return unprinted_; }
 
   std::size_t size() const { return ticks_.size(); }

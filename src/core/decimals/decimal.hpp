@@ -19,14 +19,14 @@ struct Decimal {
 // Makes the mantissa shorter by the zeros at its end, as long as more than so many decimals are left.
 void drop_zeros(Decimal& number, std::int64_t decimals);
 
-// Whether a number without zeros at its end was a binary one when it was written out, such as 0.30000000000000004, or
+// True if a number without zeros at its end was a binary one when it was written out, such as 0.30000000000000004, or
 // 7.19999999999999, which is 7.2 but for errors of rounding.
 bool was_binary(const Decimal& number);
 
 // The decimal number of fewest digits that is nearer to this finite number than to any other of 64 bits.
 Decimal shortest_decimal(double value);
 
-// Whether a number without zeros at its end has so many digits that there may be a shorter one for the same double: all
+// True if a number without zeros at its end has so many digits that there may be a shorter one for the same double: all
 // numbers of so many decimals with a smaller mantissa belong to different doubles.
 inline bool may_be_double(const Decimal& number) {
   return number.exponent < 0 && (!number.exact || number.mantissa >= std::uint64_t{1} << 52);

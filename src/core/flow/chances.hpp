@@ -1,4 +1,4 @@
-// What a program does not say because no search asks for it: with which rates and weights things happen.
+// The rates and weights of events, which a program lacks because no search needs them.
 #pragma once
 
 #include <cstdint>

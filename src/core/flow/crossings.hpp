@@ -20,11 +20,11 @@ constexpr Ticks flow_sample(Ticks ticks_per_unit) { return ticks_per_unit / 100;
 
 class Crossings {
  public:
-  // What it is given must outlive it. Questions about other moments leave the values of those in the slots.
+  // The arguments must outlive it. Questions about other moments leave the values of those in the slots.
   Crossings(Flow& flow, machine::Machine& machine, std::int32_t* slots)
       : flow_(flow), machine_(machine), slots_(slots) {}
 
-  // Whether all hold with the values in the slots, where what is not strict may be missed by a millionth.
+  // True if all hold with the values in the slots, where what is not strict may be missed by a millionth.
   bool hold(std::span<const program::FlowTest> tests);
 
   struct Found {

@@ -108,7 +108,7 @@ void Flow::extend(double wanted, Machine& machine, std::int32_t* slots) {
 }
 
 // Tries a step from the last values, and returns its error: at most 1 is small enough.
-double Flow::attempt(double length, Machine& machine, std::int32_t* slots) {
+double Flow::try_step(double length, Machine& machine, std::int32_t* slots) {
   const std::size_t count = clocks();
   for (int stage = 1; stage < stages; ++stage) {
     tried_ = last_;
@@ -129,7 +129,7 @@ double Flow::attempt(double length, Machine& machine, std::int32_t* slots) {
 // As above; infinite where a rate has no value on the way.
 double Flow::error_of(double length, Machine& machine, std::int32_t* slots) {
   try {
-    const double error = attempt(length, machine, slots);
+    const double error = try_step(length, machine, slots);
     return std::isnan(error) ? HUGE_VAL : error;
   } catch (const ModelFault&) {
     if (length <= shortest_step) throw;

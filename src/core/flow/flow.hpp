@@ -3,7 +3,7 @@
 //
 // Where no rate depends on a hybrid clock the solution is a line. Otherwise it is computed by the method of Dormand and
 // Prince of order 5 with error control and its interpolation of order 4 (Hairer, Norsett, Wanner, "Solving ordinary
-// differential equations I", 1993, II.5 and II.6), as far as somebody asks.
+// differential equations I", 1993, II.5 and II.6), up to the moment that a caller needs.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ class Flow {
   void rates(const Numbers& values, Numbers& result, machine::Machine& machine, std::int32_t* slots) const;
   void advance(machine::Machine& machine, std::int32_t* slots);
   double error_of(double length, machine::Machine& machine, std::int32_t* slots);
-  double attempt(double length, machine::Machine& machine, std::int32_t* slots);
+  double try_step(double length, machine::Machine& machine, std::int32_t* slots);
   void extend(double wanted, machine::Machine& machine, std::int32_t* slots);
   double known() const { return steps_.empty() ? 0 : steps_.back().begin + steps_.back().length; }
 

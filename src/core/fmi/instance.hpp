@@ -15,7 +15,7 @@ namespace tachk::fmi {
 
 enum class Mode : std::int64_t { instantiated, initialization, event, step, terminated };
 
-// What may be put aside and taken up again.
+// The state that may be saved and restored.
 struct Snapshot {
   UnitRun run;
   Mode mode;

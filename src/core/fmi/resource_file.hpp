@@ -1,4 +1,4 @@
-// What a unit for co-simulation is made of: a file that `tachk export --format fmu` writes, and that lies beside the
+// The data of a unit for co-simulation: a file that `tachk export --format fmu` writes, and that lies beside the
 // library. `tachk.simulation.fmi.resource_file` has the same fields.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace tachk::fmi {
 
-// What a variable of a unit stands for, and what its number means.
+// The role of a variable of a unit, and the meaning of its number.
 enum class Role : std::int64_t {
   time,
   seed,         // of the random numbers
@@ -44,7 +44,7 @@ class TimeScale {
 
   // The scale whose ticks are ten of these.
   TimeScale coarser() const { return {10 * numerator_, denominator_}; }
-  // Whether a time can be counted in ticks.
+  // True if a time can be counted in ticks.
   bool holds(double seconds) const;
 
   // The nearest double.

@@ -240,7 +240,7 @@ bool UnitRun::react() {
   return sent || transition();
 }
 
-// The environment takes a transition, and the network hears of the new inputs.
+// The environment takes a transition, and the network gets the new inputs.
 void UnitRun::environment_sends(std::uint32_t edge) {
   outside_.intakes.push_back({transitions_, now_, settled_, edge, outside_.inputs});
   take(outside_.intakes.back());
@@ -289,7 +289,7 @@ void UnitRun::count() {
 
 // ---- as numbers -----------------------------------------------------------------------------------------------------
 //
-// What is saved is how the run came about: its parameters, how many transitions it has had, and what the environment
+// A saved state is how the run came about: its parameters, how many transitions it has had, and what the environment
 // did. That is all there is to know of it, whatever a simulator keeps in mind.
 
 std::vector<std::int64_t> UnitRun::save() const {

@@ -40,7 +40,7 @@ class UnitRun {
   flow::Ticks next_event();
   // To a moment that is not behind `next_event`.
   void wait_until(flow::Ticks moment);
-  // What happens at this moment: what the environment has done, or else one transition. False if nothing does.
+  // Executes this moment: the changes of the environment, or else one transition. False if there is none.
   bool react();
   // Why nothing can happen any more.
   std::optional<simulation::Ending> ending() const { return ending_; }
@@ -51,7 +51,7 @@ class UnitRun {
   static UnitRun restore(std::shared_ptr<const ResourceFile> resource, std::span<const std::int64_t> saved);
 
  private:
-  // What the environment did, and when.
+  // The changes of the environment, with their times.
   struct Intake {
     std::uint64_t transitions;  // of the network before it
     flow::Ticks moment;
@@ -65,7 +65,7 @@ class UnitRun {
     simulation::Policy policy = simulation::Policy::stochastic;
   };
 
-  // What is known of those who run the network together with others.
+  // The state that a co-simulation of several networks needs.
   struct Environment {
     std::vector<std::int32_t> inputs;   // of each variable
     std::vector<std::int64_t> counts;   // of each variable: how often its channel was used

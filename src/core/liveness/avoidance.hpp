@@ -23,9 +23,9 @@ class Avoidance final {
  public:
   Avoidance(symbolic::Semantics& semantics, const zones::ZoneOperations& operations);
 
-  // What a zone, which lies within the invariant, becomes by delays within the invariant during which no zone of the
-  // predicate is met, not even at their beginning or end. Where clocks stand still it may be too much. `avoided` has
-  // been looked at in this discrete state. Valid until the next call. Throws ModelFault.
+  // The states that a zone, which lies within the invariant, reaches by delays within the invariant during which no
+  // zone of the predicate is met, not even at their beginning or end. Where clocks stand still it may be too much.
+  // `avoided` has been looked at in this discrete state. Valid until the next call. Throws ModelFault.
   const zones::Federation& after_delay(std::int32_t* slots, zones::ConstZoneRef entry,
                                        const std::vector<zones::Atom>& invariant, const Predicate& avoided);
 
@@ -38,7 +38,7 @@ class Avoidance final {
   // The delays that avoid one zone, from `entry_` within `later_`, into `part_`.
   void avoid_one(zones::ConstZoneRef entry, const std::vector<zones::Atom>& invariant,
                  const std::vector<zones::Atom>& met);
-  // What `result_` and `part_` have in common, into `result_`.
+  // The intersection of `result_` and `part_`, into `result_`.
   void meet();
 
   symbolic::Semantics& semantics_;

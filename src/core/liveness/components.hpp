@@ -52,7 +52,7 @@ class Components final {
     } while (member != state);
   }
 
-  // Whether a state belongs to the component that has grown last.
+  // True if a state belongs to the component that has grown last.
   bool is_in_newest(State state) const { return !is_finished(state) && states_[state].order >= growing_.back().order; }
 
   std::size_t bytes() const {

@@ -23,7 +23,7 @@ struct CoveredGraph::Stepping {
       return search.restriction_.avoided().in(entry.slots, entry.zone) != TruthInZone::always;
     return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
   }
-  // What a zone is widened to is covered where the zone is, unless it is widened in several parts.
+  // A widened zone is covered where the zone is, unless it is widened in several parts.
   bool wants(const Successor& successor) const { return !covered(successor); }
   void take(const Successor& successor) const { search.open_ |= !covered(successor); }
 

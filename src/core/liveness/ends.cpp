@@ -46,7 +46,7 @@ std::optional<EndKind> Ends::end() {
   return std::nullopt;
 }
 
-// Whether some valuation of a zone is dead.
+// True if some valuation of a zone is dead.
 bool Ends::may_be_stuck(ConstZoneRef zone, const zones::Federation& dead) {
   zones::ZoneBuffer common(operations_);
   for (std::size_t part = 0; part < dead.size(); ++part) {
@@ -58,9 +58,10 @@ bool Ends::may_be_stuck(ConstZoneRef zone, const zones::Federation& dead) {
   return false;
 }
 
-// What avoids a predicate may come in parts, and delays lead from one part to another: all that they lead to counts.
+// The states that avoid a predicate may come in parts, and delays lead from one part to another: all that they lead to
+// counts.
 bool Ends::is_stuck(ConstZoneRef zone) {
-  dead_.look(slots_, zone);
+  dead_.compute(slots_, zone);
   return may_be_stuck(zone, dead_.dead());
 }
 

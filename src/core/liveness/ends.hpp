@@ -25,7 +25,7 @@ class Ends final {
 
   // `avoided` is looked at in the state. Throws ModelFault.
   void begin(symbolic::SymbolicState& source, Predicate& avoided);
-  // Whether time can pass for ever, which is known from the beginning.
+  // True if time can pass for ever, which is known from the beginning.
   bool idle() const { return idle_; }
   void pass(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
   // An end in the state, if there is one. With bounds that widen zones in one direction only (LU) a valuation may seem

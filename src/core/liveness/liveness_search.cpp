@@ -19,7 +19,7 @@ using zones::Atom;
 
 namespace {
 
-bool asks_for_deadlock(const std::vector<Goal>& goals) {
+bool has_deadlock_literal(const std::vector<Goal>& goals) {
   for (const Goal& goal : goals)
     for (const program::Disjunct& disjunct : goal.disjuncts)
       if (disjunct.deadlock != program::DeadlockLiteral::absent) return true;
@@ -43,7 +43,7 @@ LivenessSearch::LivenessSearch(program::Program program, const reachability::Opt
 LivenessSearch::Overview LivenessSearch::overview() {
   const std::vector<Goal>& goals = graph_.program().goals;
   // The short proof looks at predicates without the zones that `deadlock` needs.
-  const bool proves = options_.proof_after != UINT32_MAX && !asks_for_deadlock(goals);
+  const bool proves = options_.proof_after != UINT32_MAX && !has_deadlock_literal(goals);
   if (goals.size() < 2) return {{}, Reachable(graph_, &restriction_, options_, limits_), {}, Stage::descending, proves};
   return {Predicate(goals[1], graph_.semantics(), graph_.operations()),
           Reachable(graph_, nullptr, options_, limits_),
@@ -67,8 +67,8 @@ Status LivenessSearch::search(std::uint64_t steps) {
 bool LivenessSearch::advance() {
   switch (overview_.stage) {
     case Stage::reaching:
-      overview_.attempts = is_time_for_attempt();
-      if (overview_.attempts)
+      overview_.depth_first = is_time_for_depth_first();
+      if (overview_.depth_first)
         descend();
       else
         reach();
@@ -85,11 +85,11 @@ bool LivenessSearch::advance() {
   return true;
 }
 
-// Whether a step depth first comes before the next one on the way to all states: of p --> q, from the states reached so
-// far. A run is then found before all are reached, and what the attempts cost stays a small part.
-bool LivenessSearch::is_time_for_attempt() const {
+// True if a step depth first comes before the next one on the way to all states: of p --> q, from the states reached so
+// far. A run is then found before all are reached, and what those steps cost stays a small part.
+bool LivenessSearch::is_time_for_depth_first() const {
   const Reachable& reachable = overview_.reachable;
-  return overview_.begins && options_.attempts && nested_.explored() * 8 < reachable.explored() &&
+  return overview_.begins && options_.depth_first && nested_.explored() * 8 < reachable.explored() &&
          (!nested_.idle() || overview_.next < reachable.states().size());
 }
 
@@ -126,7 +126,7 @@ void LivenessSearch::note_beginning() {
       const int dimension = graph_.program().dimension();
       overview_.met = graph_.operations().intersect(part.get(), dimension, atoms.data(), atoms.size());
     }
-  } catch (const ModelFault&) {  // whoever asks for runs from here meets it
+  } catch (const ModelFault&) {  // a search for runs from here meets it
     overview_.met = true;
   }
 }
@@ -190,7 +190,7 @@ Path LivenessSearch::stem() {
 }
 
 Path LivenessSearch::path_so_far() {
-  if (overview_.begins && overview_.stage == Stage::reaching && !overview_.attempts) {
+  if (overview_.begins && overview_.stage == Stage::reaching && !overview_.depth_first) {
     const std::uint32_t node = overview_.reachable.node();
     return node == no_node ? Path{} : reachability::path_to(graph_, overview_.reachable.states(), node);
   }

@@ -1,4 +1,4 @@
-// Whether some run avoids a predicate q for ever: depth first, with subsumption in both directions.
+// The search for a run that avoids a predicate q for ever: depth first, with subsumption in both directions.
 //
 // The search goes through the zone graph without q (Restriction). A successor whose zone contains that of a state on
 // the path to it closes a loop. A successor inside a finished state is dropped. Every state on the way is checked
@@ -58,7 +58,7 @@ class LivenessSearch final {
   // and of p --> q all that are reachable, with the rank 0. It needs zones that are stored whole and not reclaimed,
   // and no search for another proof.
   reachability::CoverParts& cover();
-  // Whether these actions can end in a state that is stuck and avoid q from action number `begins` on. For a
+  // True if these actions can end in a state that is stuck and avoid q from action number `begins` on. For a
   // search without extrapolation that has not run; false also if clock values become too large on the way.
   bool gets_stuck(const symbolic::Path& actions, std::size_t begins);
 
@@ -73,7 +73,7 @@ class LivenessSearch final {
     bool proves;                            // whether a proof is still to be looked for
     std::uint32_t begun = states::no_node;  // the reached state in which the path begins
     std::uint32_t next = 0;                 // the next one that is looked at
-    bool attempts = false;                  // reaching: whether the step at hand is one depth first
+    bool depth_first = false;               // reaching: whether the step at hand is depth first
     bool met = false;                       // whether p holds in one of the reached states
     bool complete = true;                   // reaching: whether the limit on depth has left nothing out
     zones::InPieces pieces = {};
@@ -82,7 +82,7 @@ class LivenessSearch final {
   reachability::Status search(std::uint64_t steps);
   std::uint64_t stored() const;
   bool advance();
-  bool is_time_for_attempt() const;
+  bool is_time_for_depth_first() const;
   void reach();
   void note_beginning();
   bool prove();

@@ -22,7 +22,7 @@ class NestedSearch final {
   NestedSearch(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends, const reachability::Options& options,
                std::uint32_t depth_limit);
 
-  // Whether all states that have been pushed have finished.
+  // True if all states that have been pushed have finished.
   bool idle() const { return stack_.empty(); }
   // Pushes the initial states.
   void start();
@@ -33,14 +33,14 @@ class NestedSearch final {
 
   // How the path is a run that avoids the predicate for ever, once it is one.
   const std::optional<ViolationKind>& found() const { return found_; }
-  // That run, behind the actions that lead to where the path begins.
+  // The same run, behind the actions that lead to where the path begins.
   Violation violation(const symbolic::Path& stem);
   // The actions of the path.
   symbolic::Path path();
 
   // The later a state has finished, the larger is its number.
   states::PassedList& finished() { return passed_; }
-  // Whether the limit on depth has left nothing out.
+  // True if the limit on depth has left nothing out.
   bool complete() const { return complete_; }
   std::uint64_t stored() const { return passed_.stored() + stack_.depth(); }
   std::uint64_t explored() const { return explored_; }

@@ -10,9 +10,10 @@ using zones::Atom;
 
 Predicate::Predicate(const program::Goal& goal, symbolic::Semantics& semantics, const zones::ZoneOperations& operations)
     : goal_(goal), semantics_(semantics), operations_(operations) {
-  const bool asks = std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
-                                [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
-  if (asks) dead_.emplace(semantics.program(), operations);
+  const bool has_deadlock = std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [](const Disjunct& disjunct) {
+    return disjunct.deadlock != DeadlockLiteral::absent;
+  });
+  if (has_deadlock) dead_.emplace(semantics.program(), operations);
 }
 
 std::vector<Atom>& Predicate::add_zone() {
@@ -41,7 +42,7 @@ TruthInZone Predicate::in(std::int32_t* slots, zones::ConstZoneRef zone) {
 
 // Each part of what is dead or live, with all its constraints.
 void Predicate::add_deadlock(const Disjunct& disjunct, std::int32_t* slots, zones::ConstZoneRef zone) {
-  dead_->look(slots, zone);
+  dead_->compute(slots, zone);
   const zones::Federation& parts = disjunct.deadlock == DeadlockLiteral::required ? dead_->dead() : dead_->live();
   const int dimension = semantics_.program().dimension();
   for (std::size_t part = 0; part < parts.size(); ++part) {

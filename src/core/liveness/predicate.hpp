@@ -20,7 +20,7 @@ class Predicate final {
  public:
   Predicate(const program::Goal& goal, symbolic::Semantics& semantics, const zones::ZoneOperations& operations);
 
-  // Whether the predicate holds in a discrete state. Where it asks for deadlock it is a matter of clocks, and only what
+  // True if the predicate holds in a discrete state. Where it asks for deadlock it is a matter of clocks, and only what
   // it says of a zone and of all that delays lead to from there is right. Throws ModelFault.
   TruthInZone in(std::int32_t* slots, zones::ConstZoneRef zone);
 

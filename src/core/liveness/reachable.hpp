@@ -25,7 +25,7 @@ class Reachable final {
   const states::PassedList& states() const { return passed_; }
   // The state being expanded; no_node before the first.
   std::uint32_t node() const { return node_; }
-  // Whether the limit on depth has left nothing out.
+  // True if the limit on depth has left nothing out.
   bool complete() const { return waiting_.complete(); }
   std::uint64_t explored() const { return explored_; }
   std::uint64_t transitions() const { return transitions_; }

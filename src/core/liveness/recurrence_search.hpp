@@ -1,10 +1,10 @@
-// Whether some run avoids a predicate q for ever and meets each of some other predicates again and again.
+// The search for a run that avoids a predicate q for ever and meets each of some other predicates infinitely often.
 //
 // Depth first through the zone graph without q (Restriction), in which states are the same only if their zones are
 // equal. A strongly connected component that meets all predicates is such a run, and each such run stays in one at
 // last: every path of the graph is that of a run.
 //
-// That a state contains a later one closes no loop here: the path between has to meet the predicates, and from the
+// A state that contains a later one closes no loop here: the path between has to meet the predicates, and from the
 // smaller state it may not. But what lies inside a state of a finished component is dropped: it has no such run,
 // because the larger one has none (A. Laarman, M. Olesen, A. Dalsgaard, K. Larsen, J. van de Pol, "Multi-core emptiness
 // checking of timed Buechi automata using inclusion abstraction", CAV 2013).
@@ -44,7 +44,7 @@ class RecurrenceSearch final {
   reachability::Statistics statistics() const;
   const std::optional<Violation>& violation() const { return violation_; }
   const std::optional<LivenessFault>& fault() const { return fault_; }
-  // Whether runs can begin in some state that has been reached.
+  // True if runs can begin in some state that has been reached.
   bool begins() const { return !question_.begins || !beginnings_.origins.empty(); }
 
  private:

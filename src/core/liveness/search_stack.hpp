@@ -42,7 +42,7 @@ class SearchStack final {
   // An open state with this discrete part and a zone inside of this one (without subsumption: equal); else `no_node`.
   std::uint32_t find_below(std::uint32_t discrete, states::ZoneView zone, bool subsumption) const;
 
-  // Whether a state has this zone.
+  // True if a state has this zone.
   bool holds(std::uint32_t number, states::ZoneView zone) const;
 
   std::size_t bytes() const {

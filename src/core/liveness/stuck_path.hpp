@@ -10,7 +10,7 @@
 
 namespace tachk::liveness {
 
-// Whether these actions can end in a state that is stuck and avoid the predicate of the restriction from action number
+// True if these actions can end in a state that is stuck and avoid the predicate of the restriction from action number
 // `begins` on, where `beginning` holds (null: everywhere). The graph is one without extrapolation. False also if clock
 // values become too large on the way.
 bool gets_stuck(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends, Predicate* beginning,

@@ -1,4 +1,4 @@
-// What a search for runs that go on for ever finds.
+// The result of a search for infinite runs.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ struct StateFault : machine::ModelFault {
   symbolic::Edges edges;
 };
 
-// What `search` comes to; a run-time error it meets is kept in `fault`, behind the path that `path_so_far` gives.
+// The result of `search`; a run-time error is stored in `fault`, behind the path that `path_so_far` gives.
 // Throws GivenUp.
 template <typename Search, typename PathSoFar>
 reachability::Status keeping_faults(std::optional<LivenessFault>& fault, Search search, PathSoFar path_so_far) {

@@ -135,7 +135,7 @@ Agents find_agents(const Program& program) {
     for (const std::uint32_t edge : edges) agents.of_edge[edge].push_back(group->second);
     return group->second;
   };
-  agents.of_slot.assign(resources.slots.size(), Agents::nobody);
+  agents.of_slot.assign(resources.slots.size(), Agents::no_agent);
   for (std::size_t number = 0; number < resources.slots.size(); ++number) {
     const Resource& slot = resources.slots[number];
     if (!slot.changes || slot.owner()) continue;

@@ -1,5 +1,6 @@
-// Who has a time of its own in a local-time search: each process, and each group of variables that several processes
-// use. What touches the same agent happens in the order of time; anything else may be done in either order.
+// The agents of a local-time search, each with a time of its own: each process, and each group of variables that
+// several processes use. What touches the same agent happens in the order of time; anything else may be done in either
+// order.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +19,9 @@ struct Agents {
   std::size_t processes = 0;
   std::vector<std::vector<std::uint32_t>> of_edge;  // in ascending order, its process included
   std::vector<std::uint32_t> of_clock;              // by number of the clock; that of clock 0 says nothing
-  std::vector<std::uint32_t> of_slot;               // that stands for a shared variable; else `nobody`
+  std::vector<std::uint32_t> of_slot;               // that stands for a shared variable; else `no_agent`
 
-  static constexpr std::uint32_t nobody = UINT32_MAX;
+  static constexpr std::uint32_t no_agent = UINT32_MAX;
 };
 
 // Local times are sound for reachability only, and only where no action depends on the present of processes that do not

@@ -42,7 +42,7 @@ LocalExplorer::LocalExplorer(program::Program program, const reachability::Optio
       slots_(graph_.program().slots.size()),
       exact_(graph_.ordinary().operations()) {
   if (options.shortest || limits.depth != UINT32_MAX) throw std::invalid_argument("steps are counted");
-  if (!asks_for_deadlock(graph_.program())) return;
+  if (!has_deadlock_literal(graph_.program())) return;
   if (options.extrapolation == symbolic::Extrapolation::lu)
     throw std::invalid_argument("deadlock is asked for with LU bounds");
   stuck_.emplace(graph_.program(), graph_.ordinary().operations(), goals_);

@@ -44,7 +44,7 @@ class WaitingZones final {
 
   void add(std::uint32_t node, const std::vector<LocalEntry>& zone);
   std::vector<LocalEntry> take(std::uint32_t node);
-  // What was needed when most were waiting.
+  // The memory when most were waiting.
   std::size_t bytes() const {
     return zones_.capacity() * sizeof(decltype(zones_)::value_type) + most_ * entries_ * sizeof(LocalEntry);
   }
@@ -66,14 +66,14 @@ class LocalExplorer final {
   LocalExplorer& operator=(const LocalExplorer&) = delete;
 
   // Explores at most `expansions` stored states. `running` asks for another call. After a run-time error (`fault`) and
-  // at a `constant_limit` nothing is known: an ordinary search has to tell.
+  // at a `constant_limit` nothing is known: an ordinary search has to decide.
   reachability::Status run(std::uint64_t expansions);
 
   reachability::Statistics statistics() const;
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
-  // Whether interchangeable processes are exchanged, if there are any.
-  bool exchanges() { return graph_.symmetry().active(); }
+  // True if interchangeable processes are permuted.
+  bool permutes() { return graph_.symmetry().active(); }
   // The actions of a run of the network to a goal that has been reached; none if it has not.
   std::optional<symbolic::Path> path_to_goal(std::size_t goal);
 
@@ -82,7 +82,7 @@ class LocalExplorer final {
   std::uint32_t next();
   void expand(std::uint32_t node);
   void store(const LocalSuccessor& successor, std::uint32_t parent);
-  // What a path, without exchanges, has to end in to meet a disjunct.
+  // The end that a path, without permutations, must have to meet a disjunct.
   std::vector<program::Condition> ends(const program::Disjunct& disjunct, const symbolic::Path& actions);
 
   reachability::Limits limits_;

@@ -19,7 +19,7 @@
 
 namespace tachk::localtime {
 
-// A step to a state, valid during the call that tells of it.
+// A step to a state, valid during the call that passes it.
 struct LocalSuccessor {
   const symbolic::Edges& edges;  // of the action; none for the initial state
   symbolic::Effect& effect;
@@ -37,7 +37,7 @@ class LocalGraph final {
   const program::Program& program() const { return ordinary_.program(); }
   const Agents& agents() const { return agents_; }
   const LocalZones& zones() const { return zones_; }
-  // That of the same network, to which the synchronised states belong.
+  // The graph of the same network, to which the synchronised states belong.
   symbolic::ZoneGraph& ordinary() { return ordinary_; }
   // Where processes are interchangeable, successors have them sorted.
   LocalSymmetry& symmetry() { return symmetry_; }

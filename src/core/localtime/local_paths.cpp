@@ -53,16 +53,20 @@ LocalState after(LocalGraph& graph, LocalState& state, const Edges& action) {
 class Walk {
  public:
   explicit Walk(LocalGraph& graph)
-      : graph_(graph), unsorted_(graph), sorted_(initial(graph)), kept_(sorted_), places_(symbolic::inverse(sort())) {}
+      : graph_(graph),
+        unsorted_(graph),
+        sorted_(initial(graph)),
+        current_(sorted_),
+        places_(symbolic::inverse(sort())) {}
 
-  // Takes an action of the sorted state, and tells that of the state in which processes keep their places.
+  // Takes an action of the sorted state, and returns that of the state in which processes keep their places.
   Edges take(const Edges& action) {
     LocalState next = after(graph_, sorted_, action);
     LocalState target = next;
     graph_.symmetry().arrange(places_, target.slots.data(), target.zone);
     const Edges taken = action_to(target);
     sorted_ = std::move(next);
-    kept_ = std::move(target);
+    current_ = std::move(target);
     places_ = symbolic::composed(symbolic::inverse(sort()), places_);
     return taken;
   }
@@ -75,7 +79,7 @@ class Walk {
   Edges action_to(const LocalState& target) {
     const std::size_t slots = graph_.program().state_slots;
     std::optional<Edges> found;
-    graph_.expand(kept_.slots.data(), kept_.zone, ignore, [&](const LocalSuccessor& successor) {
+    graph_.expand(current_.slots.data(), current_.zone, ignore, [&](const LocalSuccessor& successor) {
       if (!found && successor.zone == target.zone &&
           std::equal(target.slots.begin(), target.slots.begin() + static_cast<std::ptrdiff_t>(slots),
                      successor.effect.slots.begin()))
@@ -88,7 +92,7 @@ class Walk {
   LocalGraph& graph_;
   WithoutSorting unsorted_;
   LocalState sorted_;
-  LocalState kept_;
+  LocalState current_;
   symbolic::Arrangement places_;  // which place of the sorted state each member has
 };
 

@@ -22,10 +22,10 @@ LocalSymmetry::LocalSymmetry(symbolic::Representatives& representatives, const p
 std::optional<std::vector<std::uint32_t>> LocalSymmetry::agent_sources(const Arrangement& arrangement) const {
   const std::vector<std::uint32_t> slots = representatives_.slot_sources(arrangement);
   const std::vector<std::uint16_t> clocks = representatives_.clock_sources(arrangement);
-  std::vector<std::uint32_t> sources(agents_.count, Agents::nobody);
+  std::vector<std::uint32_t> sources(agents_.count, Agents::no_agent);
   bool one_each = true;
   const auto comes = [&](std::uint32_t agent, std::uint32_t source) {
-    one_each &= sources[agent] == Agents::nobody || sources[agent] == source;
+    one_each &= sources[agent] == Agents::no_agent || sources[agent] == source;
     sources[agent] = source;
   };
   const auto processes = static_cast<std::uint32_t>(agents_.processes);
@@ -35,8 +35,8 @@ std::optional<std::vector<std::uint32_t>> LocalSymmetry::agent_sources(const Arr
   for (std::size_t slot = 0; slot < slots.size(); ++slot) {
     const std::uint32_t agent = agents_.of_slot[slot];
     const std::uint32_t source = agents_.of_slot[slots[slot]];
-    if ((agent == Agents::nobody) != (source == Agents::nobody)) return std::nullopt;
-    if (agent != Agents::nobody) comes(agent, source);
+    if ((agent == Agents::no_agent) != (source == Agents::no_agent)) return std::nullopt;
+    if (agent != Agents::no_agent) comes(agent, source);
   }
   std::vector<std::uint32_t> sorted = sources;
   std::sort(sorted.begin(), sorted.end());

@@ -1,4 +1,4 @@
-// One state over local times for all that differ by an exchange of interchangeable processes.
+// One state over local times for all that differ by a permutation of interchangeable processes.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace tachk::localtime {
 
-// Agents are exchanged with the processes or variables that they stand for. Which process has a clock of several is
-// chosen by its number, so that it has to be looked at whether the agents of clocks and edges are exchanged with these.
+// Agents are permuted with the processes or variables that they stand for. Which process has a clock of several is
+// chosen by its number, so that it has to be checked whether the agents of clocks and edges are permuted with these.
 class LocalSymmetry final {
  public:
   LocalSymmetry(symbolic::Representatives& representatives, const program::Program& program, const Agents& agents,
                 const LocalZones& zones);
 
   bool active() const { return active_; }
-  // Whether states are sorted, where that can be done.
+  // True if states are sorted, where that can be done.
   void activate(bool wanted) { active_ = wanted && possible_; }
 
-  // Sorts the members of each group in a state, and tells how.
+  // Sorts the members of each group in a state, and returns how.
   const symbolic::Arrangement& sort(std::int32_t* slots, zones::ZoneBuffer& synchronised,
                                     std::vector<LocalEntry>& zone);
   void arrange(const symbolic::Arrangement& arrangement, std::int32_t* slots, std::vector<LocalEntry>& zone);

@@ -45,7 +45,7 @@ class LocalZones {
   // The zone with its agents and clocks renamed, each by the number of the one that takes its place.
   void rename(LocalEntry* target, const LocalEntry* zone, std::span<const std::uint32_t> agents,
               std::span<const std::uint16_t> clocks) const;
-  // Whether all finite entries are small enough to go on from.
+  // True if all finite entries are small enough to go on from.
   bool is_legal(const LocalEntry* zone) const;
 
  private:

@@ -108,7 +108,7 @@ class Timing {
     return changed;
   }
 
-  // What `atoms_` ask of the clocks at a moment.
+  // The constraints `atoms_` on the clocks at a moment.
   void require(std::size_t now) {
     for (const zones::Atom& atom : atoms_) {
       if (atom.left == atom.right) {

@@ -9,13 +9,13 @@ using program::Disjunct;
 
 namespace {
 
-bool asks(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
+bool has_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
 
 }  // namespace
 
-bool asks_for_deadlock(const program::Program& program) {
+bool has_deadlock_literal(const program::Program& program) {
   return std::any_of(program.goals.begin(), program.goals.end(), [](const program::Goal& goal) {
-    return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), asks);
+    return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), has_deadlock);
   });
 }
 
@@ -24,13 +24,13 @@ StuckStates::StuckStates(const program::Program& program, const zones::ZoneOpera
     : program_(program), operations_(operations), goals_(goals), dead_(program, operations) {}
 
 void StuckStates::check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone) {
-  bool looked = false;
+  bool computed = false;
   open_ = goals_.open();
   for (const std::size_t goal : open_)
     for (const Disjunct& disjunct : program_.goals[goal].disjuncts) {
-      if (!asks(disjunct) || !goals_.meets(disjunct.condition, slots, zone)) continue;
-      if (!looked) dead_.look(slots, zone);
-      looked = true;
+      if (!has_deadlock(disjunct) || !goals_.meets(disjunct.condition, slots, zone)) continue;
+      if (!computed) dead_.compute(slots, zone);
+      computed = true;
       if (!any_piece_meets(disjunct, slots)) continue;
       goals_.settle(goal, node);
       break;
@@ -47,7 +47,7 @@ bool StuckStates::any_piece_meets(const Disjunct& disjunct, std::int32_t* slots)
 
 std::vector<Condition> StuckStates::conditions(const Disjunct& disjunct, std::int32_t* slots,
                                                zones::ConstZoneRef zone) {
-  dead_.look(slots, zone);
+  dead_.compute(slots, zone);
   const zones::Federation& found = pieces(disjunct);
   std::vector<Condition> result;
   for (std::size_t piece = 0; piece < found.size(); ++piece) {

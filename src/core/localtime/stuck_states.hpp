@@ -1,6 +1,6 @@
 // Which states of the network in a zone over local times are deadlocks: goals that contain `deadlock`.
 //
-// Whether a state is one depends on all processes at the same time, so that only the synchronised part of a zone is
+// Being stuck depends on all processes at the same time, so that only the synchronised part of a zone is
 // checked. With LU bounds a state that is covered may be stuck where those that cover it are not. With equal lower and
 // upper bounds each clock of the two has the same value or is beyond its bound for both: one is stuck iff the other one
 // is.
@@ -16,23 +16,23 @@
 
 namespace tachk::localtime {
 
-bool asks_for_deadlock(const program::Program& program);
+bool has_deadlock_literal(const program::Program& program);
 
 class StuckStates final {
  public:
   StuckStates(const program::Program& program, const zones::ZoneOperations& operations, reachability::GoalWatch& goals);
 
-  // Settles the open goals that some valuation of a new state meets that is stuck, or is not, as the goal asks. The
+  // Settles the open goals that some valuation of a new state meets that is stuck, or is not, as the goal requires. The
   // valuations are those that can be there at once, not abstracted. Throws ModelFault.
   void check(std::uint32_t node, std::int32_t* slots, zones::ConstZoneRef zone);
 
-  // For a disjunct that asks for deadlock: the valuations of the state that meet it are those that meet one of these
+  // For a disjunct with deadlock: the valuations of the state that meet it are those that meet one of these
   // conditions. Throws ModelFault.
   std::vector<program::Condition> conditions(const program::Disjunct& disjunct, std::int32_t* slots,
                                              zones::ConstZoneRef zone);
 
  private:
-  // Of the zone that was looked at.
+  // Of the zone of the last call of `compute`.
   const zones::Federation& pieces(const program::Disjunct& disjunct) const {
     return disjunct.deadlock == program::DeadlockLiteral::required ? dead_.dead() : dead_.live();
   }

@@ -6,28 +6,28 @@
 
 namespace tachk::machine {
 
-Cells::Cells(const program::Program& program)
+AccessSet::AccessSet(const program::Program& program)
     : program_(&program),
       words_((program.state_slots + static_cast<std::size_t>(program.dimension()) + std::size_t{63}) / 64) {}
 
 // A meta has its initial value before and after each action: none hands anything on in it.
-void Cells::add_slots(std::int64_t first, std::int64_t last) {
+void AccessSet::add_slots(std::int64_t first, std::int64_t last) {
   last = std::min<std::int64_t>(last, std::int64_t{program_->state_slots} - 1);
   for (std::int64_t slot = std::max<std::int64_t>(first, 0); slot <= last; ++slot)
     if (!program_->slots[static_cast<std::size_t>(slot)].meta) add_bit(static_cast<std::size_t>(slot));
 }
 
-void Cells::add_clock(std::size_t clock) {
+void AccessSet::add_clock(std::size_t clock) {
   if (clock > 0) add_bit(program_->state_slots + clock);
 }
 
-void Cells::add_everything() { std::fill(words_.begin(), words_.end(), UINT64_MAX); }
+void AccessSet::add_everything() { std::fill(words_.begin(), words_.end(), UINT64_MAX); }
 
-void Cells::add(const Cells& other) {
+void AccessSet::add(const AccessSet& other) {
   for (std::size_t word = 0; word < words_.size(); ++word) words_[word] |= other.words_[word];
 }
 
-bool Cells::meets(const Cells& other) const {
+bool AccessSet::meets(const AccessSet& other) const {
   for (std::size_t word = 0; word < words_.size(); ++word)
     if ((words_[word] & other.words_[word]) != 0) return true;
   return false;
@@ -104,11 +104,11 @@ struct CodeAccesses::Interpretation {
          slot < slots.high + count && slot < static_cast<std::int64_t>(found.program_.slots.size()); ++slot)
       store(slot, slots.low == slots.high && count == 1 ? value : anything);
   }
-  void add_clocks(Interval clock, Cells& cells) const {
+  void add_clocks(Interval clock, AccessSet& accesses) const {
     const std::int64_t last = found.program_.numbered_clocks();
     for (std::int64_t n = clock.known() ? std::max<std::int64_t>(clock.low, 0) : 0;
          n <= last && (!clock.known() || n <= clock.high); ++n)
-      cells.add_clock(static_cast<std::size_t>(found.program_.renumbered(n)));
+      accesses.add_clock(static_cast<std::size_t>(found.program_.renumbered(n)));
   }
   static Interval pop(Stack& stack) {
     const Interval top = stack.back();
@@ -173,7 +173,7 @@ void CodeAccesses::Interpretation::step(std::int32_t position, Stack stack) {
       read(pop(stack), first);
       write(pop(stack), first, anything);
       break;
-    case Opcode::equal_cells:
+    case Opcode::equal_slots:
       read(pop(stack), first);
       read(pop(stack), first);
       stack.push_back(anything);
@@ -257,6 +257,6 @@ void CodeAccesses::add(const program::Update& update) {
   add(update.code);
 }
 
-void CodeAccesses::clear() { reads = writes = Cells(program_); }
+void CodeAccesses::clear() { reads = writes = AccessSet(program_); }
 
 }  // namespace tachk::machine

@@ -1,4 +1,4 @@
-// What pieces of code, conditions and updates may read and write, slot by slot and clock by clock. Perhaps more than
+// The slots and clocks that pieces of code, conditions and updates may read and write. Perhaps more than
 // they do: where code computes the number of a slot, all that this number may be.
 #pragma once
 
@@ -12,15 +12,15 @@
 namespace tachk::machine {
 
 // A set of slots of the state, but for metas, and of clocks.
-class Cells {
+class AccessSet {
  public:
-  explicit Cells(const program::Program& program);
+  explicit AccessSet(const program::Program& program);
 
   void add_slots(std::int64_t first, std::int64_t last);
   void add_clock(std::size_t clock);
   void add_everything();
-  void add(const Cells& other);
-  bool meets(const Cells& other) const;
+  void add(const AccessSet& other);
+  bool meets(const AccessSet& other) const;
   bool has_slot(std::size_t slot) const { return has_bit(slot); }
   bool has_clock(std::size_t clock) const { return has_bit(program_->state_slots + clock); }
 
@@ -43,8 +43,8 @@ class CodeAccesses {
   // Forgets what has been read and written.
   void clear();
 
-  Cells reads;
-  Cells writes;
+  AccessSet reads;
+  AccessSet writes;
 
  private:
   struct Interpretation;

@@ -11,7 +11,7 @@ namespace {
 
 using Integers = std::numeric_limits<std::int32_t>;
 
-// What depends on the library of C.
+// Functions that depend on the library of C.
 double of_library(FloatingOperation operation, double left, double right) {
   switch (operation) {
     case FloatingOperation::exponential:

@@ -64,7 +64,7 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
     if (offset < 0 || offset >= instruction->extra[1]) fault(FaultKind::index);
     return wide_left() + offset * instruction->extra[2] + instruction->extra[3];
   };
-  const auto cells_at = [&](std::int64_t address_of_first) {
+  const auto slots_at = [&](std::int64_t address_of_first) {
     const std::size_t first = slot_at(address_of_first);
     if (first + static_cast<std::size_t>(instruction->extra[0]) > slots.size()) fault(FaultKind::index);
     return first;
@@ -124,16 +124,16 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         break;
       }
       case Operation::copy: {
-        const std::size_t source = cells_at(right());
-        const std::size_t target = cells_at(left());
+        const std::size_t source = slots_at(right());
+        const std::size_t target = slots_at(left());
         copied_.assign(memory + source, memory + source + instruction->extra[0]);
         for (std::size_t n = 0; n < copied_.size(); ++n) store(target + n, copied_[n]);
         ++instruction;
         break;
       }
-      case Operation::equal_cells: {
-        const std::int32_t* first = memory + cells_at(left());
-        give(std::equal(first, first + instruction->extra[0], memory + cells_at(right())));
+      case Operation::equal_slots: {
+        const std::int32_t* first = memory + slots_at(left());
+        give(std::equal(first, first + instruction->extra[0], memory + slots_at(right())));
         break;
       }
       case Operation::reset:

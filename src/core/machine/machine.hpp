@@ -22,7 +22,7 @@ struct ModelFault : std::exception {
   std::int32_t position;
 };
 
-// What clocks may be set to in runs with exact times, in time units.
+// The largest value that clocks may be set to in runs with exact times, in time units.
 inline constexpr zones::Raw largest_exact_reset = INT32_MAX;
 
 class Machine {
@@ -40,7 +40,7 @@ class Machine {
   // The value of code that computes a time, in the program's time unit. Throws ModelFault.
   std::int64_t time(std::int32_t code, std::int32_t* memory) { return in_units(run(code, memory, nullptr)); }
 
-  // Runs an update: writes slots, of which it tells, and appends clock resets in order. Throws ModelFault.
+  // Runs an update: writes slots, which it reports, and appends clock resets in order. Throws ModelFault.
   std::int64_t update(std::int32_t code, std::int32_t* memory, program::SlotSet& written,
                       std::vector<zones::ClockReset>& resets) {
     written_ = {};

@@ -31,7 +31,7 @@ StackEffect effect_of(Opcode opcode) {
       return {3, 2, 1};
     case Opcode::copy:
       return {1, 2, 0};
-    case Opcode::equal_cells:
+    case Opcode::equal_slots:
       return {1, 2, 1};
     case Opcode::duplicate:
       return {0, 1, 2};
@@ -246,10 +246,10 @@ class Translation {
         emit(Operation::copy, pop(), source).extra[0] = operand(position, 0);
         break;
       }
-      case Opcode::equal_cells: {
+      case Opcode::equal_slots: {
         const Operand right = pop();
         const Operand left = pop();
-        compute(Operation::equal_cells, left, right).extra[0] = operand(position, 0);
+        compute(Operation::equal_slots, left, right).extra[0] = operand(position, 0);
         break;
       }
       case Opcode::reset:
@@ -484,7 +484,7 @@ class Translation {
 
   Instruction& last() { return code_.instructions_.back(); }
 
-  // Whether the instruction before this one, with no label in between, computed the operand.
+  // True if the instruction before this one, with no label in between, computed the operand.
   bool ends_with(Operand operand, Operation operation) {
     return code_.instructions_.size() > label_size_ && operand == Operand{Place::registers, last().target} &&
            last().operation == operation;

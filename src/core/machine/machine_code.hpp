@@ -21,7 +21,7 @@ enum class Operation : std::uint8_t {
   load_element,  // target = the slot at that address
   table,         // target = the word of the code at extra[0] + right - extra[1], with right - extra[1] in [0, extra[2])
   copy,          // extra[0] slots from the one with the number right to the one with the number left
-  equal_cells,   // target = whether extra[0] slots from left on equal those from right on
+  equal_slots,   // target = whether extra[0] slots from left on equal those from right on
   reset,         // the clock left = right
   copy_clock,    // the clock left = the clock right
   advance_clock,  // the clock left = itself and right

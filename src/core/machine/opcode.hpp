@@ -15,7 +15,7 @@ enum class Opcode : std::int32_t {
   store_indirect = 5,
   index = 6,
   copy = 7,
-  equal_cells = 8,
+  equal_slots = 8,
   reset = 9,
   duplicate = 10,
   pop = 11,
@@ -56,7 +56,7 @@ enum class Opcode : std::int32_t {
   floating = 57,
 };
 
-// What can go wrong while a model runs.
+// The run-time errors of a model.
 enum class FaultKind {
   range,
   index,

@@ -78,7 +78,8 @@ template <bool Fused>
   return {inexact == 0, falling == 0, false};
 }
 
-// What is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are used.
+// A number that is not finite has all bits of its exponent set. Integers can be joined in any order, so vectors are
+// used.
 [[gnu::always_inline]] inline bool all_finite_as(const double* values, std::size_t count) {
   constexpr std::uint64_t exponent = 0x7ff0'0000'0000'0000;
   constexpr std::size_t block = 1024;
@@ -107,7 +108,7 @@ template <bool Fused>
   return falling == 0;
 }
 
-// What there is in two forms, for the vectors that every machine has and for wider ones.
+// Functions in two forms, for the vectors that every machine has and for wider ones.
 struct Loops {
   Counting (*count_block)(const double*, std::size_t, double, double, std::int64_t, std::int64_t*);
   bool (*all_finite)(const double*, std::size_t);

@@ -10,7 +10,7 @@
 
 namespace tachk::order {
 
-// Breadth first, the next is the oldest that has not been taken, which a cursor tells, because states are numbered as
+// Breadth first, the next is the oldest that has not been taken, which a cursor counts, because states are numbered as
 // they come. Another order takes over when the initial states are stored, or later.
 class Waiting final {
  public:
@@ -48,14 +48,14 @@ class Waiting final {
   // The states with this number and larger ones all wait; no_node where the order is not that of the numbers.
   std::uint32_t first_untouched() const { return row_of(kind_).make ? states::no_node : cursor_; }
 
-  // Whether a state may be explored. Notes if it may not, because of the limit on depth.
+  // True if a state may be explored. Notes if it may not, because of the limit on depth.
   bool admits(std::uint32_t node) {
     const bool admitted = depth_.empty() || depth_[node] < depth_limit_;
     complete_ &= admitted;
     return admitted;
   }
 
-  // Whether every requested state has been admitted.
+  // True if every requested state has been admitted.
   bool complete() const { return complete_; }
 
   std::size_t bytes() const { return depth_.capacity() * sizeof(std::uint32_t) + (order_ ? order_->bytes() : 0); }
@@ -83,7 +83,7 @@ class Waiting final {
 // The layers of a breadth-first search: states that are equally far from the initial state, one after the other.
 class Layers final {
  public:
-  // Whether a state is the first of the next layer. That layer ends with the last state there is by then.
+  // True if a state is the first of the next layer. That layer ends with the last state there is by then.
   bool begins(std::uint32_t node, std::uint32_t nodes) {
     if (node < end_) return false;
     end_ = nodes;

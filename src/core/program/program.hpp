@@ -136,7 +136,7 @@ struct Edge {
   std::uint32_t channels = 1;  // how many the edge may name, from that one on
 
   bool internal() const { return channel < 0; }
-  // Whether one may send what the other receives.
+  // True if one may send what the other receives.
   bool may_meet(const Edge& other) const {
     return !internal() && !other.internal() && sends != other.sends &&
            static_cast<std::uint32_t>(channel) < static_cast<std::uint32_t>(other.channel) + other.channels &&
@@ -185,14 +185,14 @@ struct Measure {
   std::int32_t code;    // of the integer
 };
 
-// Processes that can be exchanged without changing what is possible: any two, or all by moving them round a ring.
+// Processes that can be permuted without changing what is possible: any two, or all of them cyclically.
 struct Interchangeable {
   struct Name {
     std::uint32_t slot;
     std::uint32_t table;
   };
 
-  // What belongs to each member, so that the entries of two members correspond; the first slot is that of the location.
+  // The slots of each member, so that the entries of two members correspond; the first slot is that of the location.
   std::vector<std::vector<std::uint32_t>> slots;
   std::vector<std::vector<std::uint16_t>> clocks;
   // The slots that may name members, and which number of each table is the name of each member.

@@ -47,7 +47,7 @@ CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
     part.zones.push_back(static_cast<std::int64_t>(end - first_[group]));
     for (std::size_t at = first_[group]; at < end; ++at) {
       part.ranks.push_back(entries_[at].rank);
-      tell(list.zone(entries_[at].node, state.zone).data, part);
+      append(list.zone(entries_[at].node, state.zone).data, part);
     }
   }
   return part;
@@ -55,7 +55,7 @@ CoverPart CoverParts::part(std::size_t first, std::size_t zones) {
 
 // The minimal constraints of Larsen, Larsson, Pettersson and Yi 1997: clocks at fixed distances form classes; a cycle
 // through each class, and between the first members of classes what does not follow through a third one.
-void CoverParts::tell(zones::ConstZoneRef zone, CoverPart& part) const {
+void CoverParts::append(zones::ConstZoneRef zone, CoverPart& part) const {
   const program::Program& program = graph_.program();
   const auto n = static_cast<std::size_t>(program.dimension());
   std::vector<Raw> entries(n * n);

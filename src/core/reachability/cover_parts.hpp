@@ -43,7 +43,7 @@ class CoverParts final {
     std::int64_t rank;
   };
   std::uint32_t discrete(const Entry& entry) const { return lists_[entry.list]->discrete(entry.node); }
-  void tell(zones::ConstZoneRef zone, CoverPart& part) const;
+  void append(zones::ConstZoneRef zone, CoverPart& part) const;
 
   symbolic::ZoneGraph& graph_;
   std::vector<states::PassedList*> lists_;

@@ -11,8 +11,8 @@ using zones::ConstZoneRef;
 
 namespace {
 
-constexpr int attempts_by_state = 12;      // before all discrete states with the same locations keep their zones
-constexpr int attempts_by_locations = 24;  // before all discrete states do
+constexpr int searches_by_state = 12;      // before all discrete states with the same locations keep their zones
+constexpr int searches_by_locations = 24;  // before all discrete states do
 
 // Zones are stored whole, and no state is left out.
 Options plain(Options options) {
@@ -25,7 +25,7 @@ Options plain(Options options) {
 
 }  // namespace
 
-CoverSearch::Attempt::Attempt(symbolic::ZoneGraph& graph, const Options& options)
+CoverSearch::Search::Search(symbolic::ZoneGraph& graph, const Options& options)
     : passed(graph.program(), graph.operations(), options, graph.smaller_operations()),
       waiting(options.order, options.seed, UINT32_MAX),
       goals(graph.program(), graph.semantics(), graph.operations(), false),
@@ -36,7 +36,7 @@ CoverSearch::CoverSearch(program::Program program, const Options& options, const
       limits_(limits),
       graph_(std::move(program), options_),
       hulls_(hulls),
-      attempt_(std::make_unique<Attempt>(graph_, options_)),
+      search_(std::make_unique<Search>(graph_, options_)),
       source_(graph_.blank()),
       hull_(graph_.operations()),
       parts_(graph_) {}
@@ -54,35 +54,35 @@ struct CoverSearch::Keeping {
   std::uint32_t discrete = 0;
 
   void possible(ConstZoneRef guarded, const symbolic::Effect& effect) const {
-    search.attempt_->deadlocks.possible(guarded, effect);
+    search.search_->deadlocks.possible(guarded, effect);
   }
   void expect(const symbolic::Effect& effect) const {
-    search.attempt_->passed.announce(effect.slots.data(), program::SlotSet::all());
+    search.search_->passed.announce(effect.slots.data(), program::SlotSet::all());
   }
   bool wants(const Successor& successor) {
     if (!successor.edges.empty()) ++search.transitions_;
-    discrete = search.attempt_->passed.locate();
-    return !search.attempt_->passed.covers(discrete, {successor.zone, search.graph_.program().dimension()});
+    discrete = search.search_->passed.locate();
+    return !search.search_->passed.covers(discrete, {successor.zone, search.graph_.program().dimension()});
   }
   void take(const Successor& successor) const { search.keep(successor, discrete); }
 };
 
 Status CoverSearch::search(std::uint64_t expansions) {
   while (true) {
-    if (!std::exchange(attempt_->started, true)) {
+    if (!std::exchange(search_->started, true)) {
       node_ = no_node;
       graph_.start(Keeping{*this});
     }
-    while (!attempt_->goals.settled()) {
+    while (!search_->goals.settled()) {
       if (expansions-- == 0) return Status::running;
-      const std::uint32_t node = attempt_->waiting.next();
+      const std::uint32_t node = search_->waiting.next();
       if (node == no_node) return Status::finished;
-      if (attempt_->passed.covered(node)) continue;
+      if (search_->passed.covered(node)) continue;
       expand(node);
-      if (attempt_->passed.stored() > limits_.states) return Status::state_limit;
+      if (search_->passed.stored() > limits_.states) return Status::state_limit;
       if (limits_.memory_bytes != UINT64_MAX && statistics().bytes > limits_.memory_bytes) return Status::memory_limit;
     }
-    if (refine(attempt_->goals.node(0))) continue;
+    if (refine(search_->goals.node(0))) continue;
     reached_ = true;
     return Status::finished;
   }
@@ -101,24 +101,24 @@ Status CoverSearch::run(std::uint64_t expansions) {
 }
 
 void CoverSearch::expand(std::uint32_t number) {
-  attempt_->passed.unpack(number, source_.slots.data());
-  attempt_->passed.copy_zone(number, source_.zone);
+  search_->passed.unpack(number, source_.slots.data());
+  search_->passed.copy_zone(number, source_.zone);
   node_ = number;
   ++explored_;
-  attempt_->deadlocks.before_expand(number, source_);
-  attempt_->goals.throw_failure();
+  search_->deadlocks.before_expand(number, source_);
+  search_->goals.throw_failure();
   graph_.expand(source_, Keeping{*this});
-  attempt_->deadlocks.after_expand(number, source_);
+  search_->deadlocks.after_expand(number, source_);
 }
 
 void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
-  Attempt& attempt = *attempt_;
+  Search& search = *search_;
   const int dimension = graph_.program().dimension();
   ConstZoneRef zone = successor.zone;
   bool widened = false;
   if (mode(discrete, successor.slots) == Mode::hull) {
-    if (const std::uint32_t before = attempt.latest[discrete]; before != no_node) {
-      attempt.passed.copy_zone(before, hull_);
+    if (const std::uint32_t before = search.latest[discrete]; before != no_node) {
+      search.passed.copy_zone(before, hull_);
       const ConstZoneRef held = hull_.get();
       widened = !graph_.operations().includes(zone, held, dimension);
       graph_.operations().hull(hull_.get(), zone, dimension);
@@ -126,28 +126,28 @@ void CoverSearch::keep(const Successor& successor, std::uint32_t discrete) {
     }
   }
   const std::uint32_t parent = successor.edges.empty() ? no_node : node_;
-  const std::uint32_t number = attempt.passed.add(discrete, {zone, dimension}, parent, true);
+  const std::uint32_t number = search.passed.add(discrete, {zone, dimension}, parent, true);
   if (number == no_node) return;
-  attempt.waiting.add(number, parent, successor.slots, attempt.passed.covered_last());
-  attempt.latest[discrete] = number;
-  attempt.widened.resize(number + std::size_t{1});
-  attempt.widened[number] = widened;
+  search.waiting.add(number, parent, successor.slots, search.passed.covered_last());
+  search.latest[discrete] = number;
+  search.widened.resize(number + std::size_t{1});
+  search.widened[number] = widened;
   const std::uint32_t expanded = std::exchange(node_, number);  // a fault of the predicate is one of the new state
-  attempt.goals.check(number, successor.slots, zone);
-  attempt.goals.throw_failure();
+  search.goals.check(number, successor.slots, zone);
+  search.goals.throw_failure();
   node_ = expanded;
 }
 
 CoverSearch::Mode CoverSearch::mode(std::uint32_t discrete, const std::int32_t* slots) {
-  Attempt& attempt = *attempt_;
-  if (attempt.modes.size() <= discrete) {
-    const std::size_t size = std::max<std::size_t>(discrete + std::size_t{1}, 2 * attempt.modes.size());
-    attempt.modes.resize(size, Mode::unknown);
-    attempt.latest.resize(size, no_node);
+  Search& search = *search_;
+  if (search.modes.size() <= discrete) {
+    const std::size_t size = std::max<std::size_t>(discrete + std::size_t{1}, 2 * search.modes.size());
+    search.modes.resize(size, Mode::unknown);
+    search.latest.resize(size, no_node);
   }
-  Mode& mode = attempt.modes[discrete];
+  Mode& mode = search.modes[discrete];
   if (mode == Mode::unknown) {
-    const bool exact = !hulls_ || attempts_ > attempts_by_locations ||
+    const bool exact = !hulls_ || searches_ > searches_by_locations ||
                        (!exact_.empty() && (exact_.contains(state(slots)) || exact_.contains(locations(slots))));
     mode = exact ? Mode::exact : Mode::hull;
   }
@@ -163,35 +163,35 @@ CoverSearch::Key CoverSearch::locations(const std::int32_t* slots) const {
 }
 
 void CoverSearch::keep_all_zones_of(const std::int32_t* slots) {
-  exact_.insert(attempts_ <= attempts_by_state ? state(slots) : locations(slots));
+  exact_.insert(searches_ <= searches_by_state ? state(slots) : locations(slots));
 }
 
 bool CoverSearch::refine(std::uint32_t node) {
   std::vector<std::int32_t> slots(graph_.program().slots.size());
   bool found = false;
-  for (std::uint32_t at = node; at != no_node; at = attempt_->passed.parent(at)) {
-    if (!attempt_->widened[at]) continue;
-    attempt_->passed.unpack(at, slots.data());
+  for (std::uint32_t at = node; at != no_node; at = search_->passed.parent(at)) {
+    if (!search_->widened[at]) continue;
+    search_->passed.unpack(at, slots.data());
     keep_all_zones_of(slots.data());
     found = true;
   }
   if (!found) return false;
-  ++attempts_;
-  attempt_ = std::make_unique<Attempt>(graph_, options_);
+  ++searches_;
+  search_ = std::make_unique<Search>(graph_, options_);
   return true;
 }
 
 Statistics CoverSearch::statistics() const {
-  return {explored_, attempt_->passed.stored(), transitions_, attempt_->passed.bytes() + attempt_->waiting.bytes()};
+  return {explored_, search_->passed.stored(), transitions_, search_->passed.bytes() + search_->waiting.bytes()};
 }
 
 // ---- what it has found ----------------------------------------------------------------------------------------------
 
 CoverParts& CoverSearch::cover() {
   if (!parts_.empty()) return parts_;
-  const states::PassedList& passed = attempt_->passed;
+  const states::PassedList& passed = search_->passed;
   for (std::uint32_t node = 0; node < passed.size(); ++node)
-    if (!passed.covered(node)) parts_.add(attempt_->passed, node, 0);
+    if (!passed.covered(node)) parts_.add(search_->passed, node, 0);
   return parts_;
 }
 

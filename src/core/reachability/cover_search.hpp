@@ -3,7 +3,7 @@
 // The search keeps for each discrete state the hull of all zones that arrive there, a larger set than is reachable. If
 // it meets a goal, that may be due to hulls: the discrete states on the way whose zones were widened keep all their
 // zones from then on, and the search begins again. What is found is closed under successors by construction, but
-// whoever needs a proof checks that by other means (certificates/).
+// a proof is checked by other means (certificates/).
 #pragma once
 
 #include <cstdint>
@@ -49,8 +49,8 @@ class CoverSearch final {
   enum class Mode : std::uint8_t { unknown, hull, exact };
 
   // All that is given up when the search begins again.
-  struct Attempt {
-    Attempt(symbolic::ZoneGraph& graph, const Options& options);
+  struct Search {
+    Search(symbolic::ZoneGraph& graph, const Options& options);
 
     states::PassedList passed;
     order::Waiting waiting;
@@ -77,9 +77,9 @@ class CoverSearch final {
   Limits limits_;
   symbolic::ZoneGraph graph_;
   bool hulls_;
-  std::unique_ptr<Attempt> attempt_;
+  std::unique_ptr<Search> search_;
   std::unordered_set<Key, KeyHash> exact_;  // discrete states, or locations only, that keep all zones
-  int attempts_ = 1;
+  int searches_ = 1;
   symbolic::SymbolicState source_;
   zones::ZoneBuffer hull_;
   std::uint32_t node_ = states::no_node;

@@ -9,9 +9,9 @@ using zones::ClockBounds;
 
 namespace {
 
-// Whether a state that simulates another one stands for it: no goal depends on an action being
+// True if a state that simulates another one stands for it: no goal depends on an action being
 // impossible, or on how long clocks have run.
-bool looks_at_actions_only(const Program& program) {
+bool depends_on_actions_only(const Program& program) {
   if (!program.measures.empty()) return false;
   for (const program::Goal& goal : program.goals)
     for (const program::Disjunct& disjunct : goal.disjuncts)
@@ -27,7 +27,7 @@ CoveringStore::CoveringStore(symbolic::ZoneGraph& graph, const Options& options)
       states_(graph.program(), graph.operations(), options, graph.smaller_operations()),
       merging_(options.merging, graph.operations()),
       simulation_(options.alu && options.subsumption && graph.knows_simulation() &&
-                  looks_at_actions_only(graph.program())) {}
+                  depends_on_actions_only(graph.program())) {}
 
 bool CoveringStore::covers(const Successor& successor) {
   if (!subsumption_) return false;
@@ -35,12 +35,12 @@ bool CoveringStore::covers(const Successor& successor) {
 }
 
 bool CoveringStore::simulates(const Successor& successor) {
-  if (!simulation_.asks()) return false;
+  if (!simulation_.is_due()) return false;
   const std::size_t others = states_.count(discrete_);
   if (others == 0) return false;
   const ClockBounds bounds = graph_.bounds(successor.slots);
   const bool simulated = states_.covers(discrete_, graph_.packed(successor.slots, successor.zone), &bounds);
-  simulation_.tell(simulated, others);
+  simulation_.record(simulated, others);
   return simulated;
 }
 
@@ -50,10 +50,10 @@ std::uint32_t CoveringStore::coverer(const Successor& successor) const {
 
 std::uint32_t CoveringStore::add(const Successor& successor, std::uint32_t parent, std::uint32_t first_untouched) {
   const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
-  const states::ZoneView united = merging_.united(states_, discrete_, zone, first_untouched);
-  const ClockBounds bounds = simulation_.asking() ? graph_.bounds(successor.slots) : ClockBounds{};
+  const states::ZoneView merged = merging_.merged(states_, discrete_, zone, first_untouched);
+  const ClockBounds bounds = simulation_.is_active() ? graph_.bounds(successor.slots) : ClockBounds{};
   const std::uint32_t number =
-      states_.add(discrete_, united, parent, subsumption_, simulation_.asking() ? &bounds : nullptr);
+      states_.add(discrete_, merged, parent, subsumption_, simulation_.is_active() ? &bounds : nullptr);
   if (number != no_node) merging_.stored(number);
   return number;
 }

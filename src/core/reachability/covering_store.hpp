@@ -1,5 +1,5 @@
 // The states that a search has stored, and which new ones need not be: a state is dropped for a stored one whose zone
-// contains its own, or, where only what can be reached matters, simulates it (aLU). Waiting states may be united with
+// contains its own, or, where only what can be reached matters, simulates it (aLU). Waiting states may be merged with
 // new ones (Merging).
 #pragma once
 
@@ -23,7 +23,7 @@ class CoveringStore final {
 
   // Looks up the announced discrete state, to which the other calls belong.
   void locate() { discrete_ = states_.locate(); }
-  // Whether a successor may be dropped.
+  // True if a successor may be dropped.
   bool covers(const symbolic::Successor& successor);
   // The stored state whose zone contains that of a successor; no_node if there is none.
   std::uint32_t coverer(const symbolic::Successor& successor) const;

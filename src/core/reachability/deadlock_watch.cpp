@@ -13,13 +13,14 @@ DeadlockWatch::DeadlockWatch(symbolic::ZoneGraph& graph, GoalWatch& goals)
       semantics_(graph.semantics()),
       goals_(goals),
       finder_(graph.operations(), program_.dimension()),
-      asks_(std::any_of(program_.goals.begin(), program_.goals.end(),
-                        [](const program::Goal& goal) {
-                          return std::any_of(
-                              goal.disjuncts.begin(), goal.disjuncts.end(),
-                              [](const Disjunct& disjunct) { return disjunct.deadlock != DeadlockLiteral::absent; });
-                        })),
-      open_(asks_) {}
+      has_deadlock_(std::any_of(program_.goals.begin(), program_.goals.end(),
+                                [](const program::Goal& goal) {
+                                  return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
+                                                     [](const Disjunct& disjunct) {
+                                                       return disjunct.deadlock != DeadlockLiteral::absent;
+                                                     });
+                                })),
+      open_(has_deadlock_) {}
 
 void DeadlockWatch::find_candidates(std::uint32_t node, SymbolicState& source) {
   candidates_.clear();

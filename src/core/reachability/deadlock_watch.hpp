@@ -17,10 +17,10 @@ class DeadlockWatch final {
  public:
   DeadlockWatch(symbolic::ZoneGraph& graph, GoalWatch& goals);
 
-  // Whether some goal may still ask for deadlock; if not, the rest does nothing.
+  // True if some open goal may contain deadlock; otherwise the rest does nothing.
   bool open() const { return open_; }
 
-  // Whether the actions of the state being expanded matter.
+  // True if the actions of the state being expanded matter.
   bool counts() const { return !candidates_.empty(); }
 
   // Goals whose predicates are a run-time error fail. Throws ModelFault. `node` is the number of the state.
@@ -35,7 +35,7 @@ class DeadlockWatch final {
     const program::Disjunct* disjunct;
   };
 
-  // Whether the state, where it is stuck or not as the goal says, satisfies the rest.
+  // True if the state, where it is stuck or not as the goal says, satisfies the rest.
   bool meets(const Candidate& candidate, std::uint32_t node, symbolic::SymbolicState& source);
   // The open disjuncts whose predicates the state satisfies.
   void find_candidates(std::uint32_t node, symbolic::SymbolicState& source);
@@ -46,7 +46,7 @@ class DeadlockWatch final {
   symbolic::DeadlockFinder finder_;
   std::vector<Candidate> candidates_;
   std::vector<zones::Atom> atoms_;
-  bool asks_;  // some goal asks for deadlock
+  bool has_deadlock_;  // of some goal
   bool open_;
 };
 

@@ -55,7 +55,7 @@ class Search {
     return result(next == waiting_.size());
   }
 
-  // ---- what the graph tells
+  // ---- the edges of the graph
   void possible(zones::ConstZoneRef, const symbolic::Effect&) const {}
   void expect(const symbolic::Effect& effect) { passed_.announce(effect.slots.data(), program::SlotSet::all()); }
   bool wants(const symbolic::Successor&) const { return true; }

@@ -18,14 +18,14 @@ using symbolic::Successor;
 namespace {
 
 Options consistent(Options options, const Limits& limits, const Program& program) {
-  // What is counted in steps from the initial state is explored in their order.
+  // Distances in steps from the initial state need states in this order.
   if (options.order == SearchOrder::automatic && (options.shortest || limits.depth != UINT32_MAX))
     options.order = SearchOrder::breadth_first;
   if (options.shortest && options.order != SearchOrder::breadth_first)
     throw std::invalid_argument("shortest paths need a breadth-first search");
   // An action that is taken first makes paths longer.
   if (options.shortest || limits.depth != UINT32_MAX || !program.interchangeable.empty()) options.partial_order = false;
-  // A path to a united state has not been stored, and is made only for goals. Where clocks stop, a united state may
+  // A path to a merged state has not been stored, and is made only for goals. Where clocks stop, a merged state may
   // lead to more than its parts, and so to a goal that none of them leads to.
   if (options.shortest || limits.depth != UINT32_MAX || options.partial_order || !program.measures.empty() ||
       !options.subsumption || program.has_stopwatches)
@@ -198,7 +198,7 @@ Path Explorer::path_to_goal(std::size_t goal) {
   const std::unique_ptr<Explorer> narrow = among_origins(settled_in(goal), graph_.program());
   while (narrow->settled_in(goal) == no_node)
     if (narrow->run(1) != Status::running && narrow->settled_in(goal) == no_node)
-      throw std::logic_error("united states are not reached one by one");
+      throw std::logic_error("merged states are not reached one by one");
   return narrow->path_to_goal(goal);
 }
 
@@ -211,7 +211,7 @@ FaultReport Explorer::fault_report(Path& path) {
     Program endless = graph_.program();  // no goal ends the search before the error does
     endless.goals.emplace_back();
     const std::unique_ptr<Explorer> narrow = among_origins(report.node, std::move(endless));
-    if (narrow->run(UINT64_MAX) != Status::fault) throw std::logic_error("united states do not meet a run-time error");
+    if (narrow->run(UINT64_MAX) != Status::fault) throw std::logic_error("merged states do not meet a run-time error");
     return narrow->fault_report(path);
   }
   symbolic::SymbolicState last = graph_.blank();

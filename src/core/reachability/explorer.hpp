@@ -72,20 +72,20 @@ class Explorer final {
   // The edges that some action of an explored state has taken, in ascending order. Where the search has gone through
   // everything, no other edge can be taken at all.
   std::vector<std::uint32_t> taken() const { return parts_.taken.edges(); }
-  // The actions that lead from the initial state to a node. Not where states have been united.
+  // The actions that lead from the initial state to a node. Not where states have been merged.
   symbolic::Path path(std::uint32_t node);
   // The run-time error in a predicate of a goal, which is not looked for since.
   const std::optional<GoalFailure>& failure(std::size_t goal) const { return parts_.goals.failure(goal); }
   bool any_failure() const { return parts_.goals.any_failure(); }
   // Actions that lead from the initial state to where a goal has been reached or has failed.
   symbolic::Path path_to_goal(std::size_t goal);
-  // Whether these actions, taken one after the other from the initial state, can end in a goal. For an explorer
+  // True if these actions, taken one after the other from the initial state, can end in a goal. For an explorer
   // without extrapolation that has not run; false also if clock values become too large on the way.
   bool leads_to(const symbolic::Path& actions, std::size_t goal);
 
  private:
   struct Storing;
-  // What observes the loop.
+  // The observers of the loop.
   struct Parts {
     TakenEdges taken;
     merging::PathFilter path_filter;
@@ -98,7 +98,7 @@ class Explorer final {
 
     Parts(symbolic::ZoneGraph& graph, const Options& options);
   };
-  // What has been done so far.
+  // The work done so far.
   struct Work {
     bool started = false;
     zones::InPieces pieces = {};
@@ -116,7 +116,7 @@ class Explorer final {
   bool keeps_layers(std::uint32_t node);
   // The node in which a goal was reached or failed; no_node for an open one.
   std::uint32_t settled_in(std::size_t goal) const;
-  // A search through the discrete states that lead to a node, which unites none.
+  // A search through the discrete states that lead to a node, which merges none.
   std::unique_ptr<Explorer> among_origins(std::uint32_t node, program::Program program);
 
   Options options_;

@@ -9,7 +9,7 @@ using zones::ConstZoneRef;
 
 namespace {
 
-bool asks_for_deadlock(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
+bool has_deadlock_literal(const Disjunct& disjunct) { return disjunct.deadlock != program::DeadlockLiteral::absent; }
 
 }  // namespace
 
@@ -27,9 +27,9 @@ GoalWatch::GoalWatch(const program::Program& program, symbolic::Semantics& seman
   for (std::size_t goal = 0; goal < program.goals.size(); ++goal) {
     const std::vector<Disjunct>& disjuncts = program.goals[goal].disjuncts;
     open_.push_back(goal);
-    asks_deadlock_.push_back(std::any_of(disjuncts.begin(), disjuncts.end(), asks_for_deadlock));
+    has_deadlock_.push_back(std::any_of(disjuncts.begin(), disjuncts.end(), has_deadlock_literal));
     for (const Disjunct& disjunct : disjuncts) {
-      if (asks_for_deadlock(disjunct)) continue;
+      if (has_deadlock_literal(disjunct)) continue;
       const std::vector<program::Test>& tests = disjunct.condition.tests;
       const auto place = std::find_if(tests.begin(), tests.end(), [&](const program::Test& test) {
         return test.slot < program.processes.size() && test.comparison == program::Comparison::equal;
@@ -81,7 +81,7 @@ bool GoalWatch::meets(const program::Condition& condition, std::int32_t* slots, 
 
 void GoalWatch::settle(std::size_t goal, std::uint32_t node) {
   reached_[goal] = node;
-  if (!shortest_ || !asks_deadlock_[goal]) std::erase(open_, goal);
+  if (!shortest_ || !has_deadlock_[goal]) std::erase(open_, goal);
 }
 
 void GoalWatch::fail(std::size_t goal, std::uint32_t node, const machine::ModelFault& fault) {
@@ -98,7 +98,7 @@ void GoalWatch::throw_failure() const {
     if (failure) throw failure->fault;
 }
 
-// What is reached by now is no further away than what the next layer leads to.
+// The states reached by now are no further away than those that the next layer leads to.
 void GoalWatch::end_layer() {
   std::erase_if(open_, [this](std::size_t goal) { return reached_[goal] != states::no_node; });
 }

@@ -1,4 +1,4 @@
-// What a search looks for. A goal is a disjunction; a disjunct is a predicate on states, and may ask for deadlock as
+// The goals of a search. A goal is a disjunction; a disjunct is a predicate on states, and may ask for deadlock as
 // well. Predicates are looked at once, when a state is new; deadlock is known only when a state has been expanded
 // (DeadlockWatch).
 #pragma once
@@ -36,9 +36,9 @@ class GoalWatch final {
   void on_store(std::uint32_t node, const symbolic::Successor& successor) {
     check(node, successor.slots, successor.zone);
   }
-  // Whether there is one. Throws ModelFault.
+  // True if there is one. Throws ModelFault.
   bool meets_any(std::int32_t* slots, zones::ConstZoneRef zone);
-  // Whether some valuation of the zone satisfies the condition. Throws ModelFault.
+  // True if some valuation of the zone satisfies the condition. Throws ModelFault.
   bool meets(const program::Condition& condition, std::int32_t* slots, zones::ConstZoneRef zone);
 
   // A goal is reached in a node.
@@ -47,7 +47,7 @@ class GoalWatch final {
   void fail(std::size_t goal, std::uint32_t node, const machine::ModelFault& fault);
   void end_layer();
 
-  // Whether there are goals, and none is open that the search goes on for.
+  // True if there are goals, and none is open that the search goes on for.
   bool settled() const {
     return !reached_.empty() &&
            std::none_of(open_.begin(), open_.end(), [this](std::size_t goal) { return program_.goals[goal].decides; });
@@ -57,7 +57,7 @@ class GoalWatch final {
   std::uint32_t node(std::size_t goal) const { return reached_[goal]; }
   // The error of a goal that has failed.
   const std::optional<GoalFailure>& failure(std::size_t goal) const { return failures_[goal]; }
-  // Whether some goal has failed.
+  // True if some goal has failed.
   bool any_failure() const;
   // For a search that has to know whether each goal is met. Throws ModelFault if one has failed.
   void throw_failure() const;
@@ -84,7 +84,7 @@ class GoalWatch final {
   std::vector<std::uint32_t> reached_;
   std::vector<std::optional<GoalFailure>> failures_;
   std::vector<std::size_t> open_;
-  std::vector<bool> asks_deadlock_;             // of each goal
+  std::vector<bool> has_deadlock_;              // of each goal
   std::vector<std::vector<Watch>> watches_at_;  // for each location, the disjuncts that ask for it
   std::vector<Watch> watches_anywhere_;
   std::vector<zones::Atom> atoms_;

@@ -1,4 +1,4 @@
-// What takes part in a search beside the graph, the store and the order: observers of what the loop does. An observer
+// The parts of a search beside the graph, the store and the order: observers of the loop. An observer
 // has those of these calls that it needs; the loop makes each of them for all observers, in their order.
 //   before_expand(node, source)     a stored state is going to be expanded; `source` stays as it is until it has been
 //   on_successor(successor)         a step leads to this state, whose zone is not abstracted; false: it is dropped
@@ -71,7 +71,7 @@ class Observers final {
   void on_covered(const Coverer& coverer) {
     each([&](auto& part) {
       if constexpr (requires { part.on_covered(std::uint32_t{}); })
-        if (part.asks()) part.on_covered(coverer());
+        if (part.needs_coverer()) part.on_covered(coverer());
     });
   }
   void on_store(std::uint32_t node, const symbolic::Successor& successor) {

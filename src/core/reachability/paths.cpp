@@ -51,7 +51,7 @@ struct Recogniser : OnlyStates {
     return (states.empty() || passed.covered(node)) &&
            std::find(failing.begin(), failing.end(), edges) == failing.end();
   }
-  // Whether there is more to find now that an action has failed: the search may not have taken that one.
+  // True if there is more to find now that an action has failed: the search may not have taken that one.
   bool leaves_out(const Edges& edges) {
     if (std::find(failing.begin(), failing.end(), edges) != failing.end()) return false;
     failing.push_back(edges);
@@ -188,8 +188,8 @@ Path actions_through(std::vector<std::vector<BackwardStep>>& layers) {
 // Each is reached by the actions noted for it, so that whichever remains at the end has been reached.
 Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t node, SymbolicState* last) {
   const bool sorted = graph.representatives().active();
-  std::vector<std::vector<SymbolicState>> kept;  // of all layers, where processes have been sorted
-  std::vector<SymbolicState> states;             // of the last layer
+  std::vector<std::vector<SymbolicState>> states_by_layer;  // of all layers, where processes have been sorted
+  std::vector<SymbolicState> states;                        // of the last layer
   std::vector<std::vector<BackwardStep>> layers;
   for (const std::uint32_t child : chain_of_parents(passed, node)) {
     std::vector<SymbolicState> next;
@@ -212,9 +212,9 @@ Path path_to(ZoneGraph& graph, PassedList& passed, std::uint32_t node, SymbolicS
     }
     states.swap(next);
     if (states.empty()) throw std::logic_error("a stored state is not a successor of its parent");
-    if (sorted) kept.push_back(states);
+    if (sorted) states_by_layer.push_back(states);
   }
-  if (sorted) return unsorted_path(graph, layers, kept, last);
+  if (sorted) return unsorted_path(graph, layers, states_by_layer, last);
   if (last != nullptr) *last = states.front();
   return actions_through(layers);
 }

@@ -21,7 +21,7 @@ symbolic::Path path_to(symbolic::ZoneGraph& graph, states::PassedList& passed, s
 // The run-time error in an action of a state.
 std::optional<symbolic::ActionFault> fault_after(symbolic::ZoneGraph& graph, symbolic::SymbolicState& state);
 
-// Whether these actions, taken one after the other from the initial state, can end in a goal. For a graph without
+// True if these actions, taken one after the other from the initial state, can end in a goal. For a graph without
 // extrapolation and of goals that no state has been shown to; false also if clock values become too large on the way.
 bool leads_to(symbolic::ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const symbolic::Path& actions,
               std::size_t goal);

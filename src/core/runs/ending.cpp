@@ -1,7 +1,7 @@
 #include "runs/ending.hpp"
 
 #include "certificates/zones.hpp"
-#include "runs/reading.hpp"
+#include "runs/concrete_semantics.hpp"
 
 namespace tachk::runs {
 
@@ -10,30 +10,30 @@ std::optional<RunEnd> end_of(const program::Program& program, const RunPath& pat
   const auto dimension = static_cast<std::size_t>(program.dimension());
   std::vector<bool> stands(dimension, false);
   stands[0] = true;
-  Reading reading(program);
+  ConcreteSemantics semantics(program);
   certificates::Zone zone = certificates::Zone::filled(dimension, zones::raw_zero);
   std::vector<zones::Atom> invariant;
   std::vector<zones::Atom> guard;
   std::vector<zones::ClockReset> resets;
   for (std::size_t k = 0;; ++k) {
     invariant.clear();
-    if (!reading.invariants(invariant)) return std::nullopt;
+    if (!semantics.invariants(invariant)) return std::nullopt;
     zone.tighten(invariant);
     if (k == path.size() || zone.empty()) break;
-    if (reading.waits()) {
+    if (semantics.waits()) {
       zone.go_on(stands);
       zone.tighten(invariant);
     }
     guard.clear();
     for (const std::uint32_t edge : path[k])
-      if (!reading.holds(program.edges[edge].guard, guard)) return std::nullopt;
+      if (!semantics.holds(program.edges[edge].guard, guard)) return std::nullopt;
     zone.tighten(guard);
     resets.clear();
-    reading.take(path[k], resets);
+    semantics.take(path[k], resets);
     for (const zones::ClockReset& reset : resets)
       if (!zone.empty()) zone.reset(reset);
   }
-  return RunEnd{reading.state(), zone.entries};
+  return RunEnd{semantics.state(), zone.entries};
 }
 
 }  // namespace tachk::runs

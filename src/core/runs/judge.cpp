@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "runs/reading.hpp"
+#include "runs/concrete_semantics.hpp"
 
 namespace tachk::runs {
 
@@ -24,7 +24,7 @@ class Judge {
  public:
   Judge(const Program& program, std::int64_t unit);
 
-  Verdict cannot_tell() const;
+  Verdict unsupported() const;
   Verdict begin();
   // Lets time pass until then.
   Verdict wait(std::int64_t until);
@@ -41,11 +41,11 @@ class Judge {
   bool receives(std::uint32_t number, std::int32_t channel);
   Verdict takes_part(EdgeNumbers edges);
   Verdict synchronise(EdgeNumbers edges);
-  bool somebody_stays_out(EdgeNumbers edges, std::int32_t channel);
+  bool a_receiver_stays_out(EdgeNumbers edges, std::int32_t channel);
 
   const Program& program_;
   const std::int64_t unit_;
-  Reading reading_;
+  ConcreteSemantics semantics_;
   std::int64_t now_ = 0;
   std::vector<Wide> zero_;  // when each clock was, or would have been, 0
   std::vector<Atom> required_;
@@ -56,7 +56,7 @@ class Judge {
 Judge::Judge(const Program& program, std::int64_t unit)
     : program_(program),
       unit_(unit),
-      reading_(program),
+      semantics_(program),
       zero_(static_cast<std::size_t>(program.dimension()), 0),
       receivers_(program.channels.size()) {
   for (const ClockReset& start : program.starts) zero_[start.clock] = -Wide{start.value} * unit;
@@ -68,7 +68,7 @@ Judge::Judge(const Program& program, std::int64_t unit)
     }
 }
 
-Verdict Judge::cannot_tell() const {
+Verdict Judge::unsupported() const {
   if (program_.has_stopwatches) return "clocks can stop";
   if (program_.has_priorities) return "there are priorities";
   for (const Edge& each : program_.edges)
@@ -86,13 +86,13 @@ bool Judge::satisfied(const Atom& atom) const {
 
 bool Judge::holds(const program::Condition& condition) {
   required_.clear();
-  return reading_.holds(condition, required_) &&
+  return semantics_.holds(condition, required_) &&
          std::all_of(required_.begin(), required_.end(), [&](const Atom& atom) { return satisfied(atom); });
 }
 
 bool Judge::invariants() {
   required_.clear();
-  return reading_.invariants(required_) &&
+  return semantics_.invariants(required_) &&
          std::all_of(required_.begin(), required_.end(), [&](const Atom& atom) { return satisfied(atom); });
 }
 
@@ -101,7 +101,7 @@ Verdict Judge::begin() { return invariants() ? nullptr : "the initial state viol
 Verdict Judge::wait(std::int64_t until) {
   if (until < now_) return "a delay cannot be negative";
   if (until == now_) return nullptr;
-  if (!reading_.waits()) return "time cannot pass in an urgent or committed location";
+  if (!semantics_.waits()) return "time cannot pass in an urgent or committed location";
   now_ = until;
   // Invariants are conjunctions of difference constraints, hence convex: both ends are enough.
   return invariants() ? nullptr : "the delay violates an invariant";
@@ -110,28 +110,29 @@ Verdict Judge::wait(std::int64_t until) {
 bool Judge::receives(std::uint32_t number, std::int32_t channel) {
   const Edge& other = edge(number);
   return !other.internal() && !other.sends && other.may_name(channel) && holds(other.guard) &&
-         reading_.channel(other) == channel;
+         semantics_.channel(other) == channel;
 }
 
-bool Judge::somebody_stays_out(EdgeNumbers edges, std::int32_t channel) {
+bool Judge::a_receiver_stays_out(EdgeNumbers edges, std::int32_t channel) {
   for (const std::uint32_t p : receivers_[static_cast<std::size_t>(channel)]) {
     if (std::any_of(edges.begin(), edges.end(), [&](std::uint32_t each) { return edge(each).process == p; })) continue;
-    const auto& leaving = reading_.leaving(p);
+    const auto& leaving = semantics_.leaving(p);
     if (std::any_of(leaving.begin(), leaving.end(), [&](std::uint32_t each) { return receives(each, channel); }))
       return true;
   }
   return false;
 }
 
-// Whether edges begin where their processes are, and the committed rule admits them.
+// True if edges begin where their processes are, and the committed rule admits them.
 Verdict Judge::takes_part(EdgeNumbers edges) {
   int most = 0;
-  for (std::size_t p = 0; p < program_.processes.size(); ++p) most = std::max(most, reading_.location(p).commitment());
+  for (std::size_t p = 0; p < program_.processes.size(); ++p)
+    most = std::max(most, semantics_.location(p).commitment());
   bool admitted = false;
   for (const std::uint32_t each : edges) {
-    const auto& leaving = reading_.leaving(edge(each).process);
+    const auto& leaving = semantics_.leaving(edge(each).process);
     if (std::find(leaving.begin(), leaving.end(), each) == leaving.end()) return "an edge begins elsewhere";
-    admitted |= reading_.location(edge(each).process).may_go(most);
+    admitted |= semantics_.location(edge(each).process).may_go(most);
   }
   return admitted ? nullptr : "another process is in a committed location";
 }
@@ -140,7 +141,7 @@ Verdict Judge::synchronise(EdgeNumbers edges) {
   const Edge& sender = edge(edges.front());
   if (sender.internal()) return edges.size() == 1 ? nullptr : "an internal edge takes nobody along";
   if (!sender.sends) return "nobody sends";
-  const std::int32_t channel = reading_.channel(sender);
+  const std::int32_t channel = semantics_.channel(sender);
   const bool broadcast = program_.channels[static_cast<std::size_t>(channel)].broadcast;
   if (!broadcast && edges.size() != 2) return "a sender takes one receiver along";
   for (std::size_t n = 1; n < edges.size(); ++n) {
@@ -149,7 +150,7 @@ Verdict Judge::synchronise(EdgeNumbers edges) {
       return "receivers are not in the order of their processes";
     if (!receives(edges[n], channel)) return "a receiver cannot receive";
   }
-  return broadcast && somebody_stays_out(edges, channel) ? "somebody who can receive a broadcast stays out" : nullptr;
+  return broadcast && a_receiver_stays_out(edges, channel) ? "somebody who can receive a broadcast stays out" : nullptr;
 }
 
 Verdict Judge::fire(EdgeNumbers edges) {
@@ -160,7 +161,7 @@ Verdict Judge::fire(EdgeNumbers edges) {
   if (!holds(edge(edges.front()).guard)) return "a guard is false";
   if (const Verdict wrong = synchronise(edges)) return wrong;
   resets_.clear();
-  reading_.take(edges, resets_);
+  semantics_.take(edges, resets_);
   for (const ClockReset& reset : resets_)
     zero_[reset.clock] = (reset.source != 0 ? zero_[reset.source] : Wide{now_}) - Wide{reset.value} * unit_;
   return invariants() ? nullptr : "the transition violates an invariant";
@@ -181,7 +182,7 @@ std::optional<RunObjection> objection_to(const Program& program, const RunPath& 
   if (moments.unit < 1 || moments.unit > (std::int64_t{1} << 30) || moments.ticks.back() > latest)
     return RunObjection{0, "the times are too fine or too late to be judged"};
   Judge judge(program, moments.unit);
-  if (const Verdict unknown = judge.cannot_tell()) return RunObjection{0, unknown};
+  if (const Verdict unknown = judge.unsupported()) return RunObjection{0, unknown};
   if (const Verdict wrong = judge.begin()) return RunObjection{0, wrong};
   for (std::size_t k = 0; k < path.size(); ++k) {
     Verdict wrong = judge.wait(moments.ticks[k]);

@@ -17,7 +17,7 @@ struct RunObjection {
   std::string reason;
 };
 
-// What is wrong with a run to a goal; nothing if it is right. Of what it does not know (clocks that stop, priorities,
+// The objection to a run to a goal; none if it is right. Of what it does not know (clocks that stop, priorities,
 // senders over urgent channels, goals with deadlock) it says that it does not. Throws ModelFault.
 std::optional<RunObjection> objection_to(const program::Program& program, const RunPath& path, const Moments& moments,
                                          const program::Goal& goal);

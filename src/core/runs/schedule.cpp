@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "runs/reading.hpp"
+#include "runs/concrete_semantics.hpp"
 
 namespace tachk::runs {
 
@@ -32,7 +32,7 @@ struct Arc {
 class Schedule {
  public:
   Schedule(const Program& program, const RunPath& path)
-      : path_(path), reading_(program), set_(static_cast<std::size_t>(program.dimension()), Set{0, 0}) {
+      : path_(path), semantics_(program), set_(static_cast<std::size_t>(program.dimension()), Set{0, 0}) {
     for (const ClockReset& start : program.starts) set_[start.clock].value = start.value;
   }
 
@@ -51,7 +51,7 @@ class Schedule {
   bool require(const Atom& atom, std::size_t now);
 
   const RunPath& path_;
-  Reading reading_;
+  ConcreteSemantics semantics_;
   std::vector<Set> set_;
   std::vector<Atom> required_;
   std::vector<Arc> arcs_;
@@ -79,16 +79,16 @@ bool Schedule::collect(const Program& program, const Goal& goal) {
   std::vector<ClockReset> resets;
   for (std::size_t k = 0;; ++k) {
     required_.clear();
-    if (!reading_.invariants(required_) || !require(k) || !require(k + 1)) return false;
+    if (!semantics_.invariants(required_) || !require(k) || !require(k + 1)) return false;
     arcs_.push_back({k, k + 1, 0});
-    if (!reading_.waits()) arcs_.push_back({k + 1, k, 0});
+    if (!semantics_.waits()) arcs_.push_back({k + 1, k, 0});
     required_.clear();
     if (k == path_.size()) break;
     for (const std::uint32_t edge : path_[k])
-      if (!reading_.holds(program.edges[edge].guard, required_)) return false;
+      if (!semantics_.holds(program.edges[edge].guard, required_)) return false;
     if (!require(k + 1)) return false;
     resets.clear();
-    reading_.take(path_[k], resets);
+    semantics_.take(path_[k], resets);
     for (const ClockReset& reset : resets) {
       const Set copied = reset.source != 0 ? set_[reset.source] : Set{k + 1, 0};
       set_[reset.clock] = {copied.moment, copied.value + reset.value};
@@ -97,7 +97,7 @@ bool Schedule::collect(const Program& program, const Goal& goal) {
   const bool reached =
       std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(), [&](const program::Disjunct& disjunct) {
         required_.clear();
-        return disjunct.deadlock == program::DeadlockLiteral::absent && reading_.holds(disjunct.condition, required_);
+        return disjunct.deadlock == program::DeadlockLiteral::absent && semantics_.holds(disjunct.condition, required_);
       });
   return reached && require(path_.size() + 1);
 }

@@ -95,14 +95,14 @@ bool ActionChoice::choose(Present& present, std::span<const std::uint32_t> offer
   std::uint64_t partners = 0;
   for (const std::uint32_t q : present.receivers_of(channel)) {
     if (q == edge.process || (committed_only && !present.place(q).location->committed)) continue;
-    present.open_receives(q, channel, heard_);
-    if (heard_.empty()) continue;
+    present.open_receives(q, channel, receiving_);
+    if (receiving_.empty()) continue;
     if (broadcast) {
-      action.push_back(pick(present, heard_));
+      action.push_back(pick(present, receiving_));
       continue;
     }
     ++partners;
-    if (partners == 1 || present.random.below(partners) == 0) std::swap(heard_, partner_);
+    if (partners == 1 || present.random.below(partners) == 0) std::swap(receiving_, partner_);
   }
   if (broadcast) return true;
   if (partners > 0) action.push_back(pick(present, partner_));
@@ -122,20 +122,20 @@ void ActionChoice::enumerate_from(Present& present, std::uint32_t first, double 
   for (const std::uint32_t q : present.receivers_of(channel)) {
     if (q == edge.process || (!broadcast && !present.admits(edge.process) && !present.place(q).location->committed))
       continue;
-    present.open_receives(q, channel, heard_);
-    if (!heard_.empty()) partners.push_back(heard_);
+    present.open_receives(q, channel, receiving_);
+    if (!receiving_.empty()) partners.push_back(receiving_);
   }
   if (!broadcast) {
-    for (const std::vector<std::uint32_t>& heard : partners)
-      for (const auto& [other, share] : shares(present, heard))
+    for (const std::vector<std::uint32_t>& receiving : partners)
+      for (const auto& [other, share] : shares(present, receiving))
         found.add({first, other}, probability * share / static_cast<double>(partners.size()));
     return;
   }
   WeightedActions all{{{first}}, {probability}};
-  for (const std::vector<std::uint32_t>& heard : partners) {
+  for (const std::vector<std::uint32_t>& receiving : partners) {
     const WeightedActions shorter = std::exchange(all, {});
     for (std::size_t n = 0; n < shorter.actions.size(); ++n)
-      for (const auto& [other, share] : shares(present, heard)) {
+      for (const auto& [other, share] : shares(present, receiving)) {
         all.add(shorter.actions[n], shorter.probabilities[n] * share);
         all.actions.back().push_back(other);
       }

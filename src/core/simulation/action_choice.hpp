@@ -27,7 +27,7 @@ struct WeightedActions {
 
 class ActionChoice {
  public:
-  // Draws an action that begins with one of the edges; false if nobody receives.
+  // Draws an action that begins with one of the edges; false if no process receives.
   bool choose(Present& present, std::span<const std::uint32_t> offered, Action& action);
   // Adds the actions that begin with one of the edges, with the probabilities that `choose` gives them.
   void enumerate(Present& present, std::span<const std::uint32_t> offered, WeightedActions& found);
@@ -35,7 +35,7 @@ class ActionChoice {
  private:
   void enumerate_from(Present& present, std::uint32_t first, double probability, WeightedActions& found);
 
-  std::vector<std::uint32_t> heard_;
+  std::vector<std::uint32_t> receiving_;
   std::vector<std::uint32_t> partner_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace tachk::simulation {
 
-// How far a run is looked at: up to a moment, a number of transitions, or a value of a clock.
+// The bound of a run: a moment, a number of transitions, or a value of a clock.
 struct Bound {
   flow::Ticks until = flow::latest_end;
   std::uint64_t steps = UINT64_MAX;
@@ -43,7 +43,7 @@ inline flow::Ticks next_note(Simulator& simulator, flow::Ticks apart) {
   return before_next > simulator.now() ? std::min(before_next, regular) : regular;
 }
 
-// Whether a run that has no bound on time is looked at only up to here because there are no later moments, although
+// True if a run without a bound on time is sampled only up to here because there are no later moments, although
 // something may still happen.
 inline bool cut_off(Simulator& simulator, const Bound& bound) {
   return bound.until >= flow::latest_end && simulator.now() >= flow::latest_end &&

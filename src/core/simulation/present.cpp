@@ -12,11 +12,11 @@ using program::Condition;
 using program::Edge;
 using program::no_code;
 
-Present::Present(const program::Program& of, const flow::Chances& with, const Tables& looked_up, Policy waits,
+Present::Present(const program::Program& of, const flow::Chances& with, const Tables& found, Policy waits,
                  Ticks ticks_per_unit)
     : program(of),
       chances(with),
-      tables(looked_up),
+      tables(found),
       policy(waits),
       machine(of, machine::largest_exact_reset),
       random(0, 0),
@@ -39,11 +39,11 @@ void Present::start(const Random& source) {
   for (const zones::ClockReset& start : program.starts) values.clocks.set(start.clock, Ticks{start.value} * unit(), 0);
 }
 
-void Present::look_from_all() {
+void Present::update_all_dependencies() {
   values.committed = 0;
   values.urgent = 0;
   for (std::size_t p = 0; p < processes(); ++p) {
-    look_from(p);
+    update_dependencies(p);
     values.committed += dependencies[p].committed ? 1 : 0;
     values.urgent += dependencies[p].urgent ? 1 : 0;
   }
@@ -78,12 +78,13 @@ Window Present::window(const Condition& condition, Ticks from) {
   result.first = std::max(result.first, from);
   if (condition.flow.empty() || result.empty()) return result;
   Crossings hybrid = crossings();
-  const Crossings::Found found = hybrid.opening(condition.flow, result.first, result.last, now + near * unit());
+  const Crossings::Found found =
+      hybrid.opening(condition.flow, result.first, result.last, now + first_lookahead * unit());
   lookahead = std::min(lookahead, found.seen);
   result.first = found.moment;
   if (found.moment < never && policy != Policy::stochastic)
-    result.last =
-        std::min(result.last, hybrid.ending(condition.flow, found.moment, found.moment + near * unit()).moment);
+    result.last = std::min(result.last,
+                           hybrid.ending(condition.flow, found.moment, found.moment + first_lookahead * unit()).moment);
   flow.show(now, machine, values.slots.data());
   return result;
 }

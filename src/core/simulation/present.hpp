@@ -20,7 +20,7 @@ namespace tachk::simulation {
 // How long processes wait before they act, within what their guards and invariants allow.
 enum class Policy : std::int32_t { stochastic, uniform, earliest, latest };
 
-inline constexpr flow::Ticks near = 1;  // in units of time: how far hybrid clocks are followed before something happens
+inline constexpr flow::Ticks first_lookahead = 1;  // in units of time: how far hybrid clocks are followed first
 
 struct Values {
   std::vector<std::int32_t> slots;  // frame slots included
@@ -30,7 +30,7 @@ struct Values {
 };
 
 struct Present {
-  // What it is given must outlive it.
+  // The arguments must outlive it.
   Present(const program::Program& program, const flow::Chances& chances, const Tables& tables, Policy policy,
           flow::Ticks ticks_per_unit);
 
@@ -43,8 +43,8 @@ struct Present {
     if (flow.exists()) flow.show(now, machine, values.slots.data());
   }
   // Counts and remembers anew what the locations say.
-  void look_from_all();
-  void look_from(std::size_t process) { dependencies[process] = place(process).dependencies; }
+  void update_all_dependencies();
+  void update_dependencies(std::size_t process) { dependencies[process] = place(process).dependencies; }
 
   flow::Ticks unit() const { return flow.ticks_per_unit(); }
   const LocationTables& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
@@ -79,13 +79,13 @@ struct Present {
   bool receives(const ReceivingEdge& receiving, std::int32_t channel);
   bool has_receiver(std::size_t sender, std::int32_t channel, bool committed_only);
   void open_receives(std::size_t process, std::int32_t channel, std::vector<std::uint32_t>& found);
-  // Whether a process may begin an action: where some are in committed locations, only these.
+  // True if a process may begin an action: where some are in committed locations, only these.
   bool admits(std::size_t process) const { return values.committed == 0 || place(process).location->committed; }
-  // Whether an edge whose guard holds can be taken, but for target invariants.
+  // True if an edge whose guard holds can be taken, but for target invariants.
   bool is_enabled(std::size_t process, std::uint32_t edge);
-  // Whether a single edge may be tried without asking who receives.
+  // True if a single edge may be tried without asking who receives.
   bool is_enabled_alone(std::size_t process, std::uint32_t edge);
-  // Whether an urgent synchronisation of the process stops time.
+  // True if an urgent synchronisation of the process stops time.
   bool sends_urgently(std::size_t process);
 
   const program::Program& program;

@@ -17,13 +17,13 @@ namespace {
 constexpr Ticks far = 10'000;  // how far hybrid clocks are followed to see where an invariant ends
 constexpr Ticks retries = 4;   // how often what only target invariants forbid is tried, where no delay is drawn
 
-// Whether the edge is taken as soon as hybrid clocks allow it. (Other clocks are not in guards of urgent edges.)
+// True if the edge is taken as soon as hybrid clocks allow it. (Other clocks are not in guards of urgent edges.)
 bool acts_at_once(Present& present, std::uint32_t number) {
   const Edge& edge = present.program.edges[number];
   return !edge.guard.flow.empty() && !edge.internal() && present.channel(present.channel_of(edge)).urgent;
 }
 
-// The first moment in the window at which the edge can be taken, as far as guards tell.
+// The first moment in the window at which the edge can be taken, as far as guards decide.
 Ticks next_opening(Present& present, std::uint32_t number, Window own) {
   const Edge& edge = present.program.edges[number];
   if (edge.internal()) return own.first;
@@ -92,7 +92,7 @@ void Race::refresh(Present& present, std::size_t process) {
   if (here.freezes()) return;
   present.lookahead = never;
   if (here.dependencies.has_invariant)
-    limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
+    limit_[process] = present.end_of(here.location->invariant, present.now + first_lookahead * present.unit());
   Openings openings;
   for (const auto& [number, first_test] : here.outputs) {
     if (!present.may_hold(first_test)) continue;
@@ -108,7 +108,7 @@ void Race::park(Present& present, std::size_t process) {
   const LocationTables& here = present.place(process);
   present.lookahead = never;
   if (!here.location->invariant.flow.empty())
-    limit_[process] = present.end_of(here.location->invariant, present.now + near * present.unit());
+    limit_[process] = present.end_of(here.location->invariant, present.now + first_lookahead * present.unit());
   Openings openings;
   for (const auto& [number, first_test] : here.outputs) {
     if (!present.may_hold(first_test)) continue;
@@ -140,7 +140,7 @@ void Race::wait_for(Present& present, std::size_t process, const Openings& openi
   if (at_once <= limit) due = std::min(due, at_once);
   if (present.lookahead >= std::min(due, limit)) return;
   due = std::max(present.lookahead, present.now + 1);
-  waits_[process] = Wait::to_look;
+  waits_[process] = Wait::to_resume;
 }
 
 // A moment from `first` on; behind `last` the guards are false, and behind its limit the invariant.

@@ -1,4 +1,4 @@
-// What each process has drawn: the moment at which it acts. The least one wins.
+// The race of the processes: each draws the moment at which it acts, and the least one wins.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace tachk::simulation {
 
 enum class Wait : std::uint8_t {
   to_act,
-  parked,   // nothing was possible when it was to act
-  to_look,  // it was not looked farther ahead for what hybrid clocks allow
+  parked,     // nothing was possible when it was to act
+  to_resume,  // what hybrid clocks allow is known up to here only
 };
 
 // When edges of a process can be taken: the first and the last moment, and the first one of urgent edges.
@@ -36,17 +36,18 @@ class Race {
   void park(Present& present, std::size_t process);
   // All draw anew, from what is left of their waits.
   void resume(Present& present);
-  // Those that are parked look again, as something has changed.
+  // Those that are parked are scheduled again, as something has changed.
   void refresh_parked(Present& present);
 
-  // When somebody has drawn to act, and when an invariant ends.
+  // The moment of the next action that is drawn, and the one at which an invariant ends.
   std::pair<flow::Ticks, flow::Ticks> next_moments() const;
-  // Who acts at the moment: drawn only when it has come, so that a run that is stopped before and goes on is the same.
+  // The process that acts at the moment: drawn only when it has come, so that a run that is stopped before and goes on
+  // is the same.
   std::size_t winner_at(flow::Ticks moment, Random& random) const;
   bool is_due(std::size_t process, flow::Ticks now) const {
-    return due_[process] == now && waits_[process] != Wait::to_look;
+    return due_[process] == now && waits_[process] != Wait::to_resume;
   }
-  bool has_to_look(std::size_t process) const { return waits_[process] == Wait::to_look; }
+  bool resumes(std::size_t process) const { return waits_[process] == Wait::to_resume; }
 
  private:
   void wait_for(Present& present, std::size_t process, const Openings& openings, Wait wait);

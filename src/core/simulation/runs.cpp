@@ -17,7 +17,7 @@ namespace {
 
 constexpr Ticks rows = 1000;
 
-// Whether time can pass where a run ends; not where that cannot be computed.
+// True if time can pass where a run ends; not where that cannot be computed.
 bool lasts(Simulator& simulator) {
   try {
     return simulator.time_passes();
@@ -31,15 +31,15 @@ constexpr std::size_t large = 1 << 20;
 
 // Lets a vector grow by so many values.
 template <class T>
-void make_room(std::vector<T>& values, std::size_t more, const Look& look) {
+void make_room(std::vector<T>& values, std::size_t more, const Poll& poll) {
   const std::size_t needed = values.size() + more;
   if (needed <= values.capacity()) return;
   const std::size_t copied = values.size() * sizeof(T);
-  if (copied >= large && look) look(copied);
+  if (copied >= large && poll) poll(copied);
   values.reserve(std::max(needed, 2 * values.capacity()));
 }
 
-// How far rows are apart that tell how hybrid clocks go on.
+// The distance of rows that show how hybrid clocks go on.
 Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
   return until < flow::latest_end ? std::max(until / rows, Ticks{1}) : 10 * flow::flow_sample(ticks_per_unit);
 }
@@ -49,27 +49,27 @@ Ticks between_rows(Ticks until, Ticks ticks_per_unit) {
 Simulation::Simulation(program::Program program, std::span<const std::int64_t> chances)
     : program_(std::move(program)), chances_(flow::decode_chances(chances, program_)), tables_(program_, chances_) {}
 
-std::vector<RunRecord> Simulation::run(const Order& order) const {
-  std::vector<RunRecord> records(order.runs);
-  share_work(order.threads, order.runs, order.look, [&] {
-    return [&, simulator = Simulator(program_, chances_, tables_, order.policy, order.ticks_per_unit),
+std::vector<RunRecord> Simulation::run(const RunRequest& request) const {
+  std::vector<RunRecord> records(request.runs);
+  share_work(request.threads, request.runs, request.poll, [&] {
+    return [&, simulator = Simulator(program_, chances_, tables_, request.policy, request.ticks_per_unit),
             unseen = std::uint64_t{0}](std::uint64_t n) mutable {
-      run_one(simulator, order, order.first + n, records[n], unseen);
+      run_one(simulator, request, request.first + n, records[n], unseen);
     };
   });
   return records;
 }
 
-void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
+void Simulation::run_one(Simulator& simulator, const RunRequest& request, std::uint64_t number, RunRecord& record,
                          std::uint64_t& unseen) const {
-  const RunLimits& limits = order.limits;
-  const std::uint64_t work = 1 + cells_of_row(order.recording);
+  const RunLimits& limits = request.limits;
+  const std::uint64_t work = 1 + cells_of_row(request.recording);
   try {
-    if (!simulator.begin(order.seed, number)) {
+    if (!simulator.begin(request.seed, number)) {
       record.ending = Ending::initial;
       return;
     }
-    keep(simulator, order, record);
+    keep(simulator, request, record);
     std::uint64_t at_once = 0;
     std::optional<Ending> ending;
     while (!ending) {
@@ -78,26 +78,27 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
         break;
       }
       unseen += work;
-      if (unseen >= between_looks && order.look) {
+      if (unseen >= between_polls && request.poll) {
         unseen = 0;
-        order.look(0);
+        request.poll(0);
       }
       const Ticks before = simulator.now();
       RunLimits bounded = limits;
-      const bool notes = order.recording.observed && simulator.has_hybrid_clocks();
+      const bool notes = request.recording.observed && simulator.has_hybrid_clocks();
       if (notes)
-        bounded.until = std::min(limits.until, next_note(simulator, between_rows(limits.until, order.ticks_per_unit)));
+        bounded.until =
+            std::min(limits.until, next_note(simulator, between_rows(limits.until, request.ticks_per_unit)));
       ending = simulator.step(bounded);
       if (ending == Ending::horizon && notes) {
-        keep_values(simulator, order, record);
-        if (order.recording.actions) record.sizes.push_back(0);
+        keep_values(simulator, request, record);
+        if (request.recording.actions) record.sizes.push_back(0);
         if (simulator.now() == limits.until) break;
         ending.reset();
         continue;
       }
       if (ending) break;
       ++record.transitions;
-      keep(simulator, order, record);
+      keep(simulator, request, record);
       at_once = simulator.now() == before ? at_once + 1 : 0;
       if (at_once >= limits.steps_at_once) ending = Ending::zeno;
     }
@@ -106,7 +107,7 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
     record.ending = Ending::fault;
     record.fault = fault.kind;
     record.position = fault.position;
-    if (order.recording.observed)  // a row is kept whole or not at all
+    if (request.recording.observed)  // a row is kept whole or not at all
       record.observed.resize(record.times.size() * chances_.observed.size());
     simulator.retreat();
   }
@@ -114,36 +115,36 @@ void Simulation::run_one(Simulator& simulator, const Order& order, std::uint64_t
   record.lasts = lasts(simulator);
 }
 
-std::size_t Simulation::cells_of_row(const Recording& recording) const {
+std::size_t Simulation::cells_of_row(const RecordedParts& recording) const {
   return (recording.observed ? chances_.observed.size() : 0) +
          (recording.clocks ? static_cast<std::size_t>(program_.dimension()) : 0);
 }
 
-void Simulation::keep(Simulator& simulator, const Order& order, RunRecord& record) const {
-  const Recording& recording = order.recording;
+void Simulation::keep(Simulator& simulator, const RunRequest& request, RunRecord& record) const {
+  const RecordedParts& recording = request.recording;
   if (!recording.actions && !recording.observed && !recording.clocks) return;
-  keep_values(simulator, order, record);
+  keep_values(simulator, request, record);
   if (recording.actions) {
-    make_room(record.sizes, 1, order.look);
+    make_room(record.sizes, 1, request.poll);
     record.sizes.push_back(static_cast<std::uint32_t>(simulator.edges().size()));
-    make_room(record.edges, simulator.edges().size(), order.look);
+    make_room(record.edges, simulator.edges().size(), request.poll);
     record.edges.insert(record.edges.end(), simulator.edges().begin(), simulator.edges().end());
   }
 }
 
-void Simulation::keep_values(Simulator& simulator, const Order& order, RunRecord& record) const {
-  if (order.recording.observed) {
-    make_room(record.observed, chances_.observed.size(), order.look);
+void Simulation::keep_values(Simulator& simulator, const RunRequest& request, RunRecord& record) const {
+  if (request.recording.observed) {
+    make_room(record.observed, chances_.observed.size(), request.poll);
     for (const flow::Number& number : chances_.observed) {
       const double value = number.value(simulator.machine(), simulator.slots());
       record.observed.push_back(number.integer() ? static_cast<std::int64_t>(value)
                                                  : std::bit_cast<std::int64_t>(value));
     }
   }
-  make_room(record.times, 1, order.look);
+  make_room(record.times, 1, request.poll);
   record.times.push_back(simulator.now());
-  if (order.recording.clocks) {
-    make_room(record.clocks, static_cast<std::size_t>(program_.dimension()), order.look);
+  if (request.recording.clocks) {
+    make_room(record.clocks, static_cast<std::size_t>(program_.dimension()), request.poll);
     for (int clock = 1; clock < program_.dimension(); ++clock)
       record.clocks.push_back(simulator.clocks().value(static_cast<std::size_t>(clock), simulator.now()));
   }

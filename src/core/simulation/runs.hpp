@@ -13,8 +13,8 @@
 
 namespace tachk::simulation {
 
-// What is kept of a run beside how it ends.
-struct Recording {
+// The parts of a run that are recorded, beside how it ends.
+struct RecordedParts {
   bool actions = false;   // the edges of each transition
   bool observed = false;  // the values of `Chances::observed` in each state
   bool clocks = false;    // the values of all clocks in each state
@@ -34,7 +34,7 @@ struct RunRecord {
   std::vector<flow::Ticks> clocks;     // row by row
 };
 
-struct Order {
+struct RunRequest {
   std::uint64_t seed = 0;
   std::uint64_t first = 0;  // the number of the first run
   std::uint64_t runs = 1;
@@ -42,8 +42,8 @@ struct Order {
   Policy policy = Policy::stochastic;
   RunLimits limits;
   flow::Ticks ticks_per_unit = flow::finest_ticks;
-  Recording recording;
-  Look look = {};
+  RecordedParts recording;
+  Poll poll = {};
 };
 
 class Simulation {
@@ -52,19 +52,19 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  // The runs in the order of their numbers, whatever the number of threads. Throws what `look` throws.
-  std::vector<RunRecord> run(const Order& order) const;
+  // The runs in the order of their numbers, whatever the number of threads. Throws what `poll` throws.
+  std::vector<RunRecord> run(const RunRequest& request) const;
 
   const program::Program& program() const { return program_; }
   const flow::Chances& chances() const { return chances_; }
   const Tables& tables() const { return tables_; }
 
  private:
-  void run_one(Simulator& simulator, const Order& order, std::uint64_t number, RunRecord& record,
+  void run_one(Simulator& simulator, const RunRequest& request, std::uint64_t number, RunRecord& record,
                std::uint64_t& unseen) const;
-  void keep(Simulator& simulator, const Order& order, RunRecord& record) const;
-  void keep_values(Simulator& simulator, const Order& order, RunRecord& record) const;
-  std::size_t cells_of_row(const Recording& recording) const;
+  void keep(Simulator& simulator, const RunRequest& request, RunRecord& record) const;
+  void keep_values(Simulator& simulator, const RunRequest& request, RunRecord& record) const;
+  std::size_t cells_of_row(const RecordedParts& recording) const;
 
   program::Program program_;
   flow::Chances chances_;

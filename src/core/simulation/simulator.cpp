@@ -10,7 +10,7 @@ using flow::Ticks;
 namespace {
 
 constexpr std::uint64_t most_idle_draws = 100'000;
-constexpr int attempts = 16;  // of drawing an action that target invariants admit
+constexpr int draws = 16;  // of an action, until target invariants admit one
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void Simulator::resume(const Snapshot& snapshot, const Random& random) {
   present_.now = snapshot.now;
   race_ = snapshot.race;
   action_.clear();
-  for (std::size_t p = 0; p < present_.processes(); ++p) present_.look_from(p);
+  for (std::size_t p = 0; p < present_.processes(); ++p) present_.update_dependencies(p);
   race_.resume(present_);
 }
 
@@ -45,7 +45,7 @@ std::optional<Ending> Simulator::step(const RunLimits& limits) {
       return Ending::horizon;
     }
     if (limit < first) {
-      // Nobody has drawn a moment before an invariant ends: whoever can act then must.
+      // No process has drawn a moment before an invariant ends: one that can act then must.
       present_.move_to(limit);
       candidates_.resize(present_.processes());
       std::iota(candidates_.begin(), candidates_.end(), std::size_t{0});
@@ -53,7 +53,7 @@ std::optional<Ending> Simulator::step(const RunLimits& limits) {
     }
     present_.move_to(first);
     const std::size_t winner = race_.winner_at(first, present_.random);
-    if (race_.has_to_look(winner)) {
+    if (race_.resumes(winner)) {
       race_.refresh(present_, winner);
       continue;
     }
@@ -71,7 +71,7 @@ Ticks Simulator::next_moment() {
   return std::min(first, limit);
 }
 
-// Whether time cannot pass; finds those who stop it, and those who would act at this moment anyway.
+// True if time cannot pass; finds those who stop it, and those who would act at this moment anyway.
 bool Simulator::frozen() {
   const Values& values = present_.values;
   candidates_.clear();
@@ -131,7 +131,7 @@ bool Simulator::take(std::uint32_t edge, Ticks moment) {
 
 // Draws an action that begins with one of `offered_`, and takes it.
 bool Simulator::carry_out() {
-  for (int attempt = 0; attempt < attempts; ++attempt) {
+  for (int draw = 0; draw < draws; ++draw) {
     if (!choice_.choose(present_, enabled_, action_)) return false;
     if (apply()) return true;
   }
@@ -189,7 +189,7 @@ Simulator::Priority Simulator::priority(const Action& action) {
   return result;
 }
 
-// Whether invariants admit the state after an action.
+// True if invariants admit the state after an action.
 bool Simulator::admitted(const Action& action) {
   const Random before = present_.random;
   action_ = action;
@@ -210,7 +210,7 @@ bool Simulator::apply() {
   for (const std::uint32_t number : action_) {
     const std::size_t process = present_.program.edges[number].process;
     const Dependencies before = present_.dependencies[process];
-    present_.look_from(process);
+    present_.update_dependencies(process);
     const Dependencies& after = present_.dependencies[process];
     values.committed += (after.committed ? 1U : 0U) - (before.committed ? 1U : 0U);
     values.urgent += (after.urgent ? 1U : 0U) - (before.urgent ? 1U : 0U);
@@ -241,7 +241,7 @@ bool Simulator::time_passes() {
 void Simulator::retreat() {
   if (!transition_.under_way()) return;
   transition_.undo(present_);
-  present_.look_from_all();
+  present_.update_all_dependencies();
 }
 
 }  // namespace tachk::simulation

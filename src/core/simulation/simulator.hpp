@@ -1,4 +1,4 @@
-// One run after another of a program, with UPPAAL's stochastic reading: every process draws a delay, the least one
+// One run after another of a program, with UPPAAL's stochastic semantics: every process draws a delay, the least one
 // wins, the winner draws one of its edges (David, Larsen, Legay, Mikucionis, Poulsen, "Uppaal SMC tutorial", 2015).
 //
 // Processes keep what they have drawn until something changes that it depends on: the rest of an exponential delay is
@@ -45,14 +45,14 @@ struct RunLimits {
 
 class Simulator {
  public:
-  // What a run can be continued from.
+  // A state from which a run can be continued.
   struct Snapshot {
     Values values{{}, flow::ClockValues(1)};
     Race race{0};
     flow::Ticks now = 0;
   };
 
-  // What it is given must outlive it.
+  // The arguments must outlive it.
   Simulator(const program::Program& program, const flow::Chances& chances, const Tables& tables, Policy policy,
             flow::Ticks ticks_per_unit = flow::finest_ticks)
       : present_(program, chances, tables, policy, ticks_per_unit), race_(program.processes.size()) {}
@@ -72,7 +72,7 @@ class Simulator {
   // in the past nor behind `next_moment`. Throws ModelFault.
   bool take(std::uint32_t edge, flow::Ticks moment);
 
-  // Whether some time can pass in this state, however little. Throws ModelFault.
+  // True if some time can pass in this state, however little. Throws ModelFault.
   bool time_passes();
   // After a fault: back to the state before the action that it has interrupted, which ends the run.
   void retreat();

@@ -26,11 +26,12 @@ struct Entry {
 
 class Splitter {
  public:
-  Splitter(const Simulation& simulation, const Levels& levels, const RunQuestion& question, const SplittingOrder& order)
+  Splitter(const Simulation& simulation, const Levels& levels, const RunQuestion& question,
+           const SplittingRequest& request)
       : program_(simulation.program()),
         levels_(levels),
         question_(question),
-        order_(order),
+        request_(request),
         simulator_(program_, simulation.chances(), simulation.tables(), Policy::stochastic,
                    question.bound.ticks_per_unit) {}
 
@@ -43,12 +44,12 @@ class Splitter {
                                     [&](const Entry& entry) { return entry.there || entry.level >= target; }))
         continue;
       std::vector<Entry> next;
-      for (std::uint64_t n = 0; n < order_.effort; ++n) {
-        Random random(order_.seed, streams + (number * (levels_.top() + 2) + target) * order_.effort + n);
+      for (std::uint64_t n = 0; n < request_.effort; ++n) {
+        Random random(request_.seed, streams + (number * (levels_.top() + 2) + target) * request_.effort + n);
         std::optional<Entry> found = advance(target, entries, random, result);
         if (found) next.push_back(std::move(*found));
       }
-      result.probability *= static_cast<double>(next.size()) / static_cast<double>(order_.effort);
+      result.probability *= static_cast<double>(next.size()) / static_cast<double>(request_.effort);
       entries = std::move(next);
     }
   }
@@ -99,9 +100,9 @@ class Splitter {
         return std::nullopt;
       }
       if (++steps > question_.bound.steps) return std::nullopt;
-      if (++result.transitions % between_looks == 0 && order_.look) order_.look(0);
+      if (++result.transitions % between_polls == 0 && request_.poll) request_.poll(0);
       at_once = now == before ? at_once + 1 : 0;
-      if (at_once >= most_steps_at_once || steps >= order_.most_steps) {
+      if (at_once >= most_steps_at_once || steps >= request_.most_steps) {
         ++result.unknown;
         return std::nullopt;
       }
@@ -111,19 +112,19 @@ class Splitter {
   const program::Program& program_;
   const Levels& levels_;
   const RunQuestion& question_;
-  const SplittingOrder& order_;
+  const SplittingRequest& request_;
   Simulator simulator_;
 };
 
 }  // namespace
 
 std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const RunQuestion& question,
-                               const SplittingOrder& order) {
+                               const SplittingRequest& request) {
   check(simulation, question);
-  std::vector<Replication> result(order.replications);
-  share_work(order.threads, order.replications, order.look, [&] {
-    return [&, splitter = Splitter(simulation, levels, question, order)](std::uint64_t n) mutable {
-      splitter.run(order.first + n, result[n]);
+  std::vector<Replication> result(request.replications);
+  share_work(request.threads, request.replications, request.poll, [&] {
+    return [&, splitter = Splitter(simulation, levels, question, request)](std::uint64_t n) mutable {
+      splitter.run(request.first + n, result[n]);
     };
   });
   return result;

@@ -14,14 +14,14 @@
 
 namespace tachk::simulation {
 
-struct SplittingOrder {
+struct SplittingRequest {
   std::uint64_t seed = 0;
   std::uint64_t first = 0;  // the number of the first replication
   std::uint64_t replications = 1;
   std::uint64_t effort = 1000;  // runs of each stage
   unsigned threads = 1;
   std::uint64_t most_steps = UINT64_MAX;
-  Look look = {};
+  Poll poll = {};
 };
 
 struct Replication {
@@ -32,6 +32,6 @@ struct Replication {
 
 // Independent estimates in the order of their numbers, whatever the number of threads. Throws as `trials`.
 std::vector<Replication> split(const Simulation& simulation, const Levels& levels, const RunQuestion& question,
-                               const SplittingOrder& order);
+                               const SplittingRequest& request);
 
 }  // namespace tachk::simulation

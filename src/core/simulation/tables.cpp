@@ -22,7 +22,7 @@ std::uint64_t clocks_of(const program::Condition& condition, const Program& prog
 }
 
 // Groups of slots with one that is read.
-program::SlotSet slots_of(const machine::Cells& read, const Program& program) {
+program::SlotSet slots_of(const machine::AccessSet& read, const Program& program) {
   program::SlotSet slots;
   for (std::size_t slot = 0; slot < program.state_slots; ++slot)
     if (read.has_slot(slot)) slots.add(slot);
@@ -68,12 +68,12 @@ Tables::Tables(const Program& program, const flow::Chances& chances) : receivers
     accesses.add(place.location->invariant);
     accesses.add(place.rate->code);
     dependencies.clocks = clocks_of(place.location->invariant, program);
-    dependencies.looks_at_flow = !place.location->invariant.flow.empty();
+    dependencies.depends_on_flow = !place.location->invariant.flow.empty();
     for (const Output& output : place.outputs) {
       const program::Condition& guard = program.edges[output.edge].guard;
       accesses.add(guard);
       dependencies.clocks |= clocks_of(guard, program);
-      dependencies.looks_at_flow |= !guard.flow.empty();
+      dependencies.depends_on_flow |= !guard.flow.empty();
     }
     dependencies.clocks &= ~clock_group(0) | (program.clocks >= 64 ? clock_group(0) : 0);
     dependencies.reads = slots_of(accesses.reads, program);

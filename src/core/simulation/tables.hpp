@@ -1,4 +1,4 @@
-// What a simulation looks up for each location: computed once for a program.
+// The tables of a simulation for each location: computed once for a program.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@ namespace tachk::simulation {
 
 // The dependencies of a location, which every transition reads for each process: small, so that they lie side by side.
 struct Dependencies {
-  program::SlotSet reads;      // what guards of outputs, invariant and rate depend on
-  std::uint64_t clocks = 0;    // the same of clocks: of 64 groups of clocks those with a member
-  bool looks_at_flow = false;  // the same of hybrid clocks
+  program::SlotSet reads;        // what guards of outputs, invariant and rate depend on
+  std::uint64_t clocks = 0;      // the same of clocks: of 64 groups of clocks those with a member
+  bool depends_on_flow = false;  // the same of hybrid clocks
   bool committed = false;
   bool urgent = false;
   bool has_invariant = false;

@@ -17,13 +17,13 @@ namespace tachk::simulation {
 
 // Called now and then by any thread that works, and with the number of bytes before so many are taken at once: throws
 // what ends the work, a `Stopped` in each thread. May be empty.
-using Look = std::function<void(std::size_t bytes)>;
+using Poll = std::function<void(std::size_t bytes)>;
 
-// Somebody has ended the work.
+// A thread or the caller has ended the work.
 struct Stopped {};
 
 // So many transitions, or values that are kept of them, lie between two looks of a thread.
-inline constexpr std::uint64_t between_looks = 1 << 10;
+inline constexpr std::uint64_t between_polls = 1 << 10;
 
 // The thread that waits for others looks so often.
 inline constexpr std::chrono::milliseconds between_waits{20};
@@ -32,7 +32,7 @@ inline constexpr std::chrono::milliseconds between_waits{20};
 // piece. The first exception ends the work and is thrown again. The calling thread looks also while it waits for
 // others: only there Ctrl-C is seen.
 template <class Worker>
-void share_work(unsigned threads, std::uint64_t count, const Look& look, const Worker& worker) {
+void share_work(unsigned threads, std::uint64_t count, const Poll& poll, const Worker& worker) {
   std::atomic<std::uint64_t> next{0};
   std::exception_ptr failure;
   std::mutex guarding;
@@ -67,7 +67,7 @@ void share_work(unsigned threads, std::uint64_t count, const Look& look, const W
   while (!ready.wait_for(lock, between_waits, [&] { return at_work == 0; })) {
     lock.unlock();
     guarded([&] {
-      if (look) look(0);
+      if (poll) poll(0);
     });
     lock.lock();
   }

@@ -12,15 +12,15 @@ using zones::ClockReset;
 bool Transition::begin(Present& present) {
   *this = {};
   if (present.program.has_stopwatches) switch_clocks(present);
-  present.look_from_all();
+  present.update_all_dependencies();
   for (std::size_t p = 0; p < present.processes(); ++p) concerned_.push_back(p);
   return invariants_hold(present);
 }
 
 bool Transition::enter(Present& present, std::span<const std::uint32_t> action) {
-  const std::size_t kept = present.program.state_slots;
-  slots_.resize(kept);
-  std::copy_n(present.values.slots.begin(), kept, slots_.begin());
+  const std::size_t width = present.program.state_slots;
+  slots_.resize(width);
+  std::copy_n(present.values.slots.begin(), width, slots_.begin());
   written_ = {};
   resets_.clear();
   values_.clear();

@@ -31,7 +31,7 @@ class Transition {
   void find_concerned(const Present& present, std::span<const std::uint32_t> action);
   bool touches(const Dependencies& dependencies) const {
     return dependencies.reads.meets(written_) || (dependencies.clocks & clocks_) != 0 ||
-           (flow_ && dependencies.looks_at_flow);
+           (flow_ && dependencies.depends_on_flow);
   }
   bool invariants_hold(Present& present) const;
 

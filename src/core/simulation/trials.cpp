@@ -15,16 +15,16 @@ namespace {
 
 class Watch {
  public:
-  Watch(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order)
+  Watch(const Simulation& simulation, const RunQuestion& question, const TrialRequest& request)
       : simulation_(simulation),
         question_(question),
-        order_(order),
-        simulator_(simulation.program(), simulation.chances(), simulation.tables(), order.policy,
+        request_(request),
+        simulator_(simulation.program(), simulation.chances(), simulation.tables(), request.policy,
                    question.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Trial& trial) {
     try {
-      if (!simulator_.begin(order_.seed, number)) {
+      if (!simulator_.begin(request_.seed, number)) {
         trial.answer = Answered::unknown;
         trial.ending = Ending::initial;
         return;
@@ -45,7 +45,7 @@ class Watch {
   void go_on(Trial& trial) {
     std::uint64_t at_once = 0;
     while (true) {
-      if (++looks_ % between_looks == 0 && order_.look) order_.look(0);
+      if (++polls_ % between_polls == 0 && request_.poll) request_.poll(0);
       const Ticks before = simulator_.now();
       const Ticks last = last_moment(simulator_, question_.bound);
       const bool notes = question_.measures() && simulator_.has_hybrid_clocks();
@@ -69,7 +69,7 @@ class Watch {
       if (question_.measures()) keep(trial, measured());
       at_once = now == before ? at_once + 1 : 0;
       if (at_once >= most_steps_at_once) return stop(trial, Ending::zeno, now);
-      if (trial.transitions >= order_.most_steps) return stop(trial, Ending::steps, now);
+      if (trial.transitions >= request_.most_steps) return stop(trial, Ending::steps, now);
     }
   }
 
@@ -113,9 +113,9 @@ class Watch {
 
   const Simulation& simulation_;
   const RunQuestion& question_;
-  const TrialOrder& order_;
+  const TrialRequest& request_;
   Simulator simulator_;
-  std::uint64_t looks_ = 0;
+  std::uint64_t polls_ = 0;
 };
 
 }  // namespace
@@ -129,12 +129,12 @@ void check(const Simulation& simulation, const RunQuestion& question) {
     throw std::invalid_argument("the program has no such goal, number or clock");
 }
 
-std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order) {
+std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialRequest& request) {
   check(simulation, question);
-  std::vector<Trial> result(order.runs);
-  share_work(order.threads, order.runs, order.look, [&] {
-    return [&, watch = Watch(simulation, question, order)](std::uint64_t n) mutable {
-      watch.run(order.first + n, result[n]);
+  std::vector<Trial> result(request.runs);
+  share_work(request.threads, request.runs, request.poll, [&] {
+    return [&, watch = Watch(simulation, question, request)](std::uint64_t n) mutable {
+      watch.run(request.first + n, result[n]);
     };
   });
   return result;

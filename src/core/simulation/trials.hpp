@@ -14,7 +14,7 @@ struct RunQuestion {
   Bound bound;
   std::int32_t goal = -1;  // of the program: the run ends where it is reached; -1: nothing is to be reached
   std::int32_t lost = -1;  // another one: where this is reached before, the goal counts no more
-  // What is measured is the number `observed` of the chances, or the value of a clock: its extreme value on the run.
+  // The measured value is the number `observed` of the chances, or the value of a clock: its extreme value on the run.
   std::int32_t observed = -1;
   std::uint16_t clock = 0;
   bool largest = true;
@@ -38,19 +38,19 @@ struct Trial {
   std::int32_t position = program::no_code;
 };
 
-struct TrialOrder {
+struct TrialRequest {
   std::uint64_t seed = 0;
   std::uint64_t first = 0;
   std::uint64_t runs = 1;
   unsigned threads = 1;
   Policy policy = Policy::stochastic;
   std::uint64_t most_steps = UINT64_MAX;  // after which a run is given up
-  Look look = {};
+  Poll poll = {};
 };
 
-// The runs in the order of their numbers, whatever the number of threads. Throws what `look` throws, and
+// The runs in the order of their numbers, whatever the number of threads. Throws what `poll` throws, and
 // std::invalid_argument for numbers that the program does not have.
-std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialOrder& order);
+std::vector<Trial> trials(const Simulation& simulation, const RunQuestion& question, const TrialRequest& request);
 
 // Throws std::invalid_argument for numbers that the program does not have.
 void check(const Simulation& simulation, const RunQuestion& question);

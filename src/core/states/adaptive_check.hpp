@@ -17,18 +17,18 @@ class AdaptiveCheck final {
   explicit AdaptiveCheck(bool allowed, std::int64_t first = long_first)
       : left_(allowed ? first : 0), allowed_(allowed) {}
 
-  // Whether the check is to be made this time.
-  bool asks() {
+  // True if the check is to be made this time.
+  bool is_due() {
     if (left_ > 0) return true;
     if (!allowed_ || ++skipped_ < skip) return false;
     skipped_ = 0;
     left_ = window;
     return true;
   }
-  // Whether it is being made; does not count.
-  bool asking() const { return left_ > 0; }
-  // What the answer was, and what it cost: each yes saves as much as `worth` of that.
-  void tell(bool yes, std::size_t cost) {
+  // The same without counting this time.
+  bool is_active() const { return left_ > 0; }
+  // Records an answer and its cost: each yes saves as much as `worth` of that.
+  void record(bool yes, std::size_t cost) {
     gained_ += (yes ? worth : 0) - static_cast<std::int64_t>(cost);
     left_ -= static_cast<std::int64_t>(cost);
     if (left_ > 0) return;

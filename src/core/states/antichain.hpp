@@ -37,7 +37,7 @@ class Antichain {
     *this = std::move(fresh);
   }
 
-  // Whether `accept(number)` is true of a member whose extent may include this one.
+  // True if `accept(number)` is true of a member whose extent may include this one.
   template <class Accept>
   bool any_above(const zones::Extent& extent, Accept accept) const {
     return any_above(root_, extent, accept);
@@ -94,7 +94,7 @@ class Antichain {
     return false;
   }
 
-  // Whether something was removed.
+  // True if something was removed.
   template <class Covered>
   bool remove_below(Part& part, const zones::Extent& extent, Covered& covered) {
     Group& group = *part.group;

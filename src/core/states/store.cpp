@@ -53,24 +53,25 @@ std::size_t PassedList::count(std::uint32_t discrete) const {
   return length;
 }
 
-std::size_t PassedList::unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef united,
+std::size_t PassedList::merge(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef merged,
                               std::vector<std::uint32_t>& parts) {
   const ZoneOperations& operations = zones_.operations(zone.dimension);
-  std::memcpy(united.bytes, zone.data.bytes, operations.bytes);
-  std::size_t looked = 0;
-  for (std::size_t before = SIZE_MAX; before != parts.size();) {  // a larger zone may unite with what a smaller did not
+  std::memcpy(merged.bytes, zone.data.bytes, operations.bytes);
+  std::size_t compared = 0;
+  for (std::size_t before = SIZE_MAX;
+       before != parts.size();) {  // a larger zone may merge with zones that a smaller did not
     before = parts.size();
-    const auto look = [&](std::uint32_t number) {
+    const auto try_to_merge = [&](std::uint32_t number) {
       if (number < first || covered(number)) return;
-      ++looked;
-      if (operations.unite(united, this->zone(number, buffer_).data, zone.dimension)) parts.push_back(number);
+      ++compared;
+      if (operations.convex_union(merged, this->zone(number, buffer_).data, zone.dimension)) parts.push_back(number);
     };
     if (const std::uint32_t newest = head(discrete); is_long(newest))
-      chain(newest).for_each_waiting(first, look);
+      chain(newest).for_each_waiting(first, try_to_merge);
     else
-      for (std::uint32_t number = newest; number != no_node; number = next(number)) look(number);
+      for (std::uint32_t number = newest; number != no_node; number = next(number)) try_to_merge(number);
   }
-  return looked;
+  return compared;
 }
 
 std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {

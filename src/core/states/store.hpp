@@ -40,18 +40,19 @@ class PassedList {
   // The number of that state, which is new if it was never looked up before.
   std::uint32_t locate() { return discretes_.locate(no_node); }
 
-  // Whether a stored zone of this discrete state contains the zone; with `bounds` (may be null), simulates it.
+  // True if a stored zone of this discrete state contains the zone; with `bounds` (may be null), simulates it.
   bool covers(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const {
     return coverer(discrete, zone, bounds) != no_node;
   }
   // A stored state with this discrete part whose zone does; no_node if there is none.
   std::uint32_t coverer(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds = nullptr) const;
-  // The states with this number and larger ones wait, and are to be found by `unite`. To be set before any is added,
+  // The states with this number and larger ones wait, and are to be found by `merge`. To be set before any is added,
   // and whenever it grows.
   void wait_from(std::uint32_t first) { first_waiting_ = first; }
-  // Unites a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
-  // zone which is larger. The union goes to `united`, the nodes are added to `parts`. How many zones were looked at.
-  std::size_t unite(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef united,
+  // Merges a zone with those of this discrete state in nodes from `first` on, one after the other, where that makes a
+  // zone which is larger. The union goes to `merged`, the nodes are added to `parts`. Returns how many zones were
+  // compared.
+  std::size_t merge(std::uint32_t discrete, ZoneView zone, std::uint32_t first, zones::ZoneRef merged,
                     std::vector<std::uint32_t>& parts);
   // How many states with this discrete part are stored.
   std::size_t count(std::uint32_t discrete) const;
@@ -97,13 +98,13 @@ class PassedList {
     if (held.data.bytes != zone.get().bytes)
       std::memcpy(zone.get().bytes, held.data.bytes, zones_.operations(held.dimension).bytes);
   }
-  // Whether the zone of a node that is not covered contains this one of the same discrete state.
+  // True if the zone of a node that is not covered contains this one of the same discrete state.
   bool includes(std::uint32_t number, ZoneView zone) const { return zones_.covers(zone_of(number), zone); }
   void unpack(std::uint32_t number, std::int32_t* slots) { discretes_.unpack(discrete(number), slots); }
   void unpack_discrete(std::uint32_t discrete, std::int32_t* slots) { discretes_.unpack(discrete, slots); }
-  // Whether a node has this discrete state.
+  // True if a node has this discrete state.
   bool equals(std::uint32_t number, const std::int32_t* slots) { return discretes_.equals(discrete(number), slots); }
-  // Whether a node has this zone; of a covered node, whether it has one with this hash.
+  // True if a node has this zone; of a covered node, whether it has one with this hash.
   bool may_equal(std::uint32_t number, ZoneView zone) const;
   std::size_t bytes() const;
 
@@ -137,7 +138,7 @@ class PassedList {
   void cover(std::uint32_t number, std::uint32_t discrete);
   std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
   bool is_protected(std::uint32_t number) const { return number - protected_.first < protected_.count; }
-  // Whether an antichain has a member with this zone, which has this number.
+  // True if an antichain has a member with this zone, which has this number.
   bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
   void append(std::uint32_t discrete, std::uint32_t number);
   void add_to(Antichain& members, std::uint32_t number);

@@ -29,10 +29,10 @@ class ZoneStore {
   // The number of the zone, for one more who needs it; `hash_value`: its hash.
   std::uint32_t intern(ZoneView zone);
   std::uint64_t hash(ZoneView zone) const { return operations(zone.dimension).hash(zone.data, zone.dimension); }
-  // One fewer needs the zone. Its memory is used again once nobody does.
+  // One node fewer needs the zone. Its memory is used again once no node does.
   void release(std::uint32_t number);
 
-  // Whether a zone contains another one of its dimension; with `bounds` (may be null), simulates it.
+  // True if a zone contains another one of its dimension; with `bounds` (may be null), simulates it.
   bool covers(std::uint32_t number, ZoneView inner, const zones::ClockBounds* bounds = nullptr) const {
     return holder(number).covers(record(number), inner.data, bounds);
   }

@@ -20,9 +20,9 @@ class PartialOrder final {
 
   // A state is going to be expanded, in as many parts as `next` says.
   void before_expand(std::uint32_t node, const symbolic::SymbolicState& source);
-  // Whether there is one more part to expand.
+  // True if there is one more part to expand.
   bool next();
-  // Whether an action belongs to the part.
+  // True if an action belongs to the part.
   bool admits(const symbolic::Edges& edges) const {
     return part_ == Part::all || (members_ >> process_of_[edges.front()] & 1) == (part_ == Part::members);
   }
@@ -36,18 +36,18 @@ class PartialOrder final {
   }
   // How many states have been expanded with some of their actions only.
   std::uint64_t reduced_states() const { return reduced_states_; }
-  // Whether it matters which node that is.
-  bool asks() const { return part_ == Part::members && sure_; }
+  // True if it matters which node that is.
+  bool needs_coverer() const { return part_ == Part::members && sure_; }
 
  private:
   enum class Part : std::uint8_t { none, members, others, all };
 
-  void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (asks() && !puts_off(node)); }
-  // Whether every valuation of the source can take the action.
+  void leads_to(std::uint32_t node) { goes_on_ = goes_on_ || (needs_coverer() && !puts_off(node)); }
+  // True if every valuation of the source can take the action.
   bool is_sure(zones::ConstZoneRef guarded, const symbolic::Effect& effect);
 
   symbolic::ZoneGraph& graph_;
-  // Whether a node has been expanded with some of its actions only.
+  // True if a node has been expanded with some of its actions only.
   bool puts_off(std::uint32_t node) const { return node < reduced_.size() && reduced_[node]; }
 
   StubbornSets sets_;

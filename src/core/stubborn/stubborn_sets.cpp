@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t most_processes = 64;
 constexpr std::size_t most_locations = 2048;
 
-// Whether a condition sets a clock a bound that it may reach.
+// True if a condition sets a clock a bound that it may reach.
 bool sets_a_bound(const Atom& atom) { return atom.left != 0 && atom.right == 0 && (atom.raw & zones::raw_zero) != 0; }
 
 }  // namespace
@@ -28,11 +28,11 @@ bool StubbornSets::is_location(const program::Test& test) const {
 }
 
 struct StubbornSets::Place {
-  std::vector<const Edge*> now;    // the edges from here
-  std::vector<const Edge*> heard;  // and the receiving ones from where these lead
-  std::vector<const Edge*> ever;   // all edges that can be taken from now on without leaving the graph of the process
-  CodeAccesses at_once;            // of the first, invariants included
-  CodeAccesses in_future;          // of the last, likewise
+  std::vector<const Edge*> now;        // the edges from here
+  std::vector<const Edge*> receiving;  // and the receiving ones from where these lead
+  std::vector<const Edge*> ever;  // all edges that can be taken from now on without leaving the graph of the process
+  CodeAccesses at_once;           // of the first, invariants included
+  CodeAccesses in_future;         // of the last, likewise
 };
 
 StubbornSets::StubbornSets(const program::Program& program, const symbolic::Semantics& semantics,
@@ -52,11 +52,11 @@ bool StubbornSets::applies() const {
           return location.urgent || location.committed || std::any_of(atoms.begin(), atoms.end(), sets_a_bound);
         });
       });
-  const bool asks_deadlock = std::any_of(program_.goals.begin(), program_.goals.end(), [](const program::Goal& goal) {
+  const bool has_deadlock = std::any_of(program_.goals.begin(), program_.goals.end(), [](const program::Goal& goal) {
     return std::any_of(goal.disjuncts.begin(), goal.disjuncts.end(),
                        [](const program::Disjunct& one) { return one.deadlock != program::DeadlockLiteral::absent; });
   });
-  return stops && !asks_deadlock && !program_.has_priorities && !program_.has_stopwatches &&
+  return stops && !has_deadlock && !program_.has_priorities && !program_.has_stopwatches &&
          program_.diagonals.empty() && program_.goals.size() > 0 && program_.measures.empty() &&
          program_.processes.size() <= most_processes && semantics_.location_count() <= most_locations;
 }
@@ -83,7 +83,7 @@ std::vector<StubbornSets::Place> StubbornSets::describe() const {
       for (const Edge* edge : place.now) {
         add(place.at_once, *edge);
         for (const Edge* next : leaving[static_cast<std::size_t>(edge->target)])
-          if (!next->internal() && !next->sends) place.heard.push_back(next);
+          if (!next->internal() && !next->sends) place.receiving.push_back(next);
       }
       std::vector<std::size_t> open{here};
       std::vector<bool> known(locations.size());
@@ -111,9 +111,9 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
     for (const program::Disjunct& disjunct : goal.disjuncts) {
       program::Condition condition = disjunct.condition;
       std::erase_if(condition.tests, [&](const program::Test& test) {
-        const bool asks_location = is_location(test) && test.comparison == program::Comparison::equal;
-        if (asks_location) named[semantics_.location_number(test.slot, test.constant)] = true;
-        return asks_location;
+        const bool is_location_test = is_location(test) && test.comparison == program::Comparison::equal;
+        if (is_location_test) named[semantics_.location_number(test.slot, test.constant)] = true;
+        return is_location_test;
       });
       goals.add(condition);
     }
@@ -141,7 +141,7 @@ void StubbornSets::find_dependencies(const std::vector<Place>& places) {
       dependent_[one * locations_ + other] = place.at_once.writes.meets(there.in_future.reads) ||
                                              place.at_once.writes.meets(there.in_future.writes) ||
                                              place.at_once.reads.meets(there.in_future.writes) ||
-                                             share(place.now, there.ever) || share(place.heard, there.ever);
+                                             share(place.now, there.ever) || share(place.receiving, there.ever);
     }
   }
 }

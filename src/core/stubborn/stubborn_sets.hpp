@@ -7,7 +7,7 @@
 // member does from its present location and what the other one may do from now on share no channel, and neither writes
 // what the other one reads or writes, clocks and invariants included. Until a member moves, time stands still, and
 // whatever happens meanwhile can as well happen after any action of members. No goal reads what they write. The set
-// only says which actions to take first: whoever uses it must see to it that the others are not put off for ever
+// only says which actions to take first: the caller must ensure that the others are not put off for ever
 // (PartialOrder).
 #pragma once
 
@@ -37,16 +37,16 @@ class StubbornSets final {
   std::vector<Place> describe() const;
   void find_dependencies(const std::vector<Place>& places);
   bool applies() const;
-  // Whether no time can pass in any valuation of the zone because of the invariant of a location.
+  // True if no time can pass in any valuation of the zone because of the invariant of a location.
   bool has_ended(const program::Location& here, zones::ConstZoneRef zone) const;
-  // Whether a test asks where a process is.
+  // True if a test is about the location of a process.
   bool is_location(const program::Test& test) const;
   // The smallest set with this process that is enough, where `most` is the largest commitment; 0 if there is none.
   Members closure(std::size_t process, int most, const std::int32_t* slots) const;
   std::size_t number(std::size_t process, const std::int32_t* slots) const {
     return semantics_.location_number(process, slots[process]);
   }
-  // Whether what a process may do from a location on depends on what another one does from its location.
+  // True if the actions of a process from a location on depend on those of another one from its location.
   bool depends(std::size_t of, std::size_t on) const { return dependent_[of * locations_ + on]; }
 
   const program::Program& program_;

@@ -9,7 +9,7 @@ DeadStates::DeadStates(const program::Program& program, const zones::ZoneOperati
       finder_(operations, dimension_),
       later_(operations) {}
 
-void DeadStates::look(std::int32_t* slots, zones::ConstZoneRef zone) {
+void DeadStates::compute(std::int32_t* slots, zones::ConstZoneRef zone) {
   const Delay delay = delay_in(semantics_, slots);
   invariant_.clear();
   semantics_.invariant(slots, invariant_);

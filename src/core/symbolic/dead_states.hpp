@@ -19,7 +19,7 @@ class DeadStates final {
   DeadStates(const program::Program& program, const zones::ZoneOperations& operations);
 
   // Looks at a zone of a discrete state and all that delays lead to from there. Throws ModelFault.
-  void look(std::int32_t* slots, zones::ConstZoneRef zone);
+  void compute(std::int32_t* slots, zones::ConstZoneRef zone);
 
   const zones::Federation& dead() const { return finder_.dead(); }
   const zones::Federation& live() const { return finder_.live(); }

@@ -9,7 +9,7 @@ namespace tachk::symbolic {
 EquivalentProcesses::EquivalentProcesses(const program::Program& program, const zones::ZoneOperations& operations)
     : program_(program),
       operations_(operations),
-      member_of_(program.processes.size(), nobody),
+      member_of_(program.processes.size(), no_member),
       sources_(static_cast<std::size_t>(program.dimension())) {
   std::iota(sources_.begin(), sources_.end(), std::uint16_t{0});
   std::uint32_t count = 0;
@@ -39,7 +39,7 @@ void EquivalentProcesses::find(const std::int32_t* slots, zones::ConstZoneRef zo
   }
 }
 
-// Whether exchanging a member with the one before leaves the state as it is.
+// True if exchanging a member with the one before leaves the state as it is.
 bool EquivalentProcesses::exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots,
                                        zones::ConstZoneRef zone) {
   if (named_[member] != 0 || named_[member - 1] != 0) return false;
@@ -63,12 +63,12 @@ bool EquivalentProcesses::repeats(std::span<const std::uint32_t> edges) {
   const auto member_of = [this](std::uint32_t edge) { return member_of_[program_.edges[edge].process]; };
   const auto mark = [&](std::uint8_t value) {
     for (const std::uint32_t edge : edges)
-      if (member_of(edge) != nobody) taking_part_[member_of(edge)] = value;
+      if (member_of(edge) != no_member) taking_part_[member_of(edge)] = value;
   };
   mark(1);
   const bool found = std::any_of(edges.begin(), edges.end(), [&](std::uint32_t edge) {
     const std::uint32_t member = member_of(edge);
-    return member != nobody && equivalent_[member] != 0 && taking_part_[member - 1] == 0;
+    return member != no_member && equivalent_[member] != 0 && taking_part_[member - 1] == 0;
   });
   mark(0);
   return found;

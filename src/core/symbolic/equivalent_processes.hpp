@@ -20,11 +20,11 @@ class EquivalentProcesses final {
   // Finds the members of each group that are equivalent to the one before.
   void find(const std::int32_t* slots, zones::ConstZoneRef zone);
 
-  // Whether a process belongs to a member that is equivalent to the one before: that one can do alone whatever it can.
+  // True if a process belongs to a member that is equivalent to the one before: that one can do alone whatever it can.
   bool second(std::size_t process) const {
-    return member_of_[process] != nobody && equivalent_[member_of_[process]] != 0;
+    return member_of_[process] != no_member && equivalent_[member_of_[process]] != 0;
   }
-  // Whether a transposition of equivalent members makes of this action another one, of earlier members: some member
+  // True if a transposition of equivalent members makes of this action another one, of earlier members: some member
   // takes part in it without the equivalent member before it.
   bool repeats(std::span<const std::uint32_t> edges);
 
@@ -34,7 +34,7 @@ class EquivalentProcesses final {
     MemberNames names;
     std::uint32_t first;  // its first member, of those of all groups
   };
-  static constexpr std::uint32_t nobody = UINT32_MAX;
+  static constexpr std::uint32_t no_member = UINT32_MAX;
 
   bool exchangeable(const Group& group, std::uint32_t member, const std::int32_t* slots, zones::ConstZoneRef zone);
 

@@ -23,7 +23,7 @@ class MemberNames final {
     }
   }
 
-  // The member that a number names in a table; -1: nobody.
+  // The member that a number names in a table; -1: none.
   std::int32_t member(std::size_t table, std::int32_t number) const {
     const std::int64_t place = std::int64_t{number} - least_[table];
     if (place < 0 || place >= static_cast<std::int64_t>(member_of_[table].size())) return -1;

@@ -1,7 +1,7 @@
-// One state for all that differ by an exchange of interchangeable processes: the members of each group are sorted by
-// what is known of them, so that most of these states become the same one. Any order is sound, because every exchange
-// maps what is possible onto itself; a better one leaves fewer states (Ip & Dill 1996; Hendriks et al. 2003). A ring is
-// turned to where what is known of it is least.
+// One state for all that differ by a permutation of interchangeable processes: the members of each group are sorted by
+// what is known of them, so that most of these states become the same one. Any order is sound, because every
+// permutation maps what is possible onto itself; a better one leaves fewer states (Ip & Dill 1996; Hendriks et al.
+// 2003). A cyclic orbit is turned to where what is known of it is least.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ using Arrangement = std::vector<std::vector<std::uint32_t>>;
 
 // The arrangement that undoes one.
 Arrangement inverse(const Arrangement& arrangement);
-// What two arrangements do, the first one first.
+// The composition of two arrangements, the first one first.
 Arrangement composed(const Arrangement& first, const Arrangement& second);
 
 class Representatives final {
@@ -31,7 +31,7 @@ class Representatives final {
   Representatives(const program::Program& program, const zones::ZoneOperations& operations);
 
   bool active() const { return active_; }
-  // Whether states are sorted, where there are interchangeable processes.
+  // True if states are sorted, where there are interchangeable processes.
   void activate(bool wanted) { active_ = wanted && !groups_.empty(); }
 
   // Sorts the members of each group in a state; false if all have kept their places.
@@ -54,7 +54,7 @@ class Representatives final {
     std::vector<std::size_t> own_tables;                 // their tables
     std::vector<program::Interchangeable::Name> shared;  // names outside the slots of members
     MemberNames known;                                   // whom a number names
-    std::optional<Rotations> turns;                      // of a ring
+    std::optional<Rotations> turns;                      // of a cyclic orbit
   };
 
   void describe(const Group& group, const std::int32_t* slots);

@@ -5,12 +5,12 @@
 
 namespace tachk::symbolic {
 
-Rotations::Rotations(const program::Interchangeable& ring) : members_(ring.slots.size()), tables_(ring.tables) {
-  for (std::size_t role = 0; role < ring.slots.front().size(); ++role) {
+Rotations::Rotations(const program::Interchangeable& orbit) : members_(orbit.slots.size()), tables_(orbit.tables) {
+  for (std::size_t role = 0; role < orbit.slots.front().size(); ++role) {
     Track& track = tracks_.emplace_back();
-    for (const std::vector<std::uint32_t>& own : ring.slots) track.slots.push_back(own[role]);
+    for (const std::vector<std::uint32_t>& own : orbit.slots) track.slots.push_back(own[role]);
   }
-  for (const program::Interchangeable::Name& name : ring.names) {
+  for (const program::Interchangeable::Name& name : orbit.names) {
     auto track = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& each) {
       return std::find(each.slots.begin(), each.slots.end(), name.slot) != each.slots.end();
     });
@@ -44,7 +44,7 @@ const std::vector<std::size_t>& Rotations::least(const std::int32_t* slots) {
 void Rotations::keep_least(const Track& track, const std::int32_t* slots) {
   contents_.clear();
   for (const std::uint32_t slot : track.slots) contents_.push_back(content(track, slots[slot]));
-  std::size_t kept = 1;
+  std::size_t count = 1;
   for (std::size_t candidate = 1; candidate < least_.size(); ++candidate) {
     const std::size_t best = least_.front();
     const std::size_t by = least_[candidate];
@@ -56,10 +56,10 @@ void Rotations::keep_least(const Track& track, const std::int32_t* slots) {
       order = one < other ? -1 : one > other ? 1 : 0;
     }
     if (order > 0) continue;
-    if (order < 0) kept = 0;
-    least_[kept++] = by;
+    if (order < 0) count = 0;
+    least_[count++] = by;
   }
-  least_.resize(kept);
+  least_.resize(count);
 }
 
 }  // namespace tachk::symbolic

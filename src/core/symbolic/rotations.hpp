@@ -1,4 +1,4 @@
-// The rotations of a ring of processes that make the slots of a state least.
+// The rotations of a cyclic orbit of processes that make the slots of a state least.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace tachk::symbolic {
 
 class Rotations final {
  public:
-  explicit Rotations(const program::Interchangeable& ring);
+  explicit Rotations(const program::Interchangeable& orbit);
 
   // By how many places members may move to the front so that the state is least; valid until the next call.
   const std::vector<std::size_t>& least(const std::int32_t* slots);
@@ -23,13 +23,13 @@ class Rotations final {
     std::vector<std::uint32_t> tables;  // in which its values may be names
   };
 
-  // What a slot holds: a plain value, or the name of a member, which counts from the first place.
+  // The content of a slot: a plain value, or the name of a member, which counts from the first place.
   struct Content {
     std::int64_t kind;
     std::size_t named;
   };
   Content content(const Track& track, std::int32_t value) const;
-  // What stands at a place, after a rotation; where no name does that is the same for all rotations.
+  // The value at a place after a rotation; without names it is the same for all rotations.
   std::int64_t turned(const Content& content, std::size_t by) const {
     return content.kind < named ? content.kind
                                 : content.kind + static_cast<std::int64_t>((content.named + members_ - by) % members_);

@@ -201,7 +201,7 @@ void Semantics::check_advance(const std::vector<ClockReset>& resets) const {
 
 bool Semantics::weakest_precondition(const Effect& effect, std::vector<Atom>& atoms) const {
   if (effect.invariant.empty()) return true;
-  // What each clock is afterwards: one of before, and so much more.
+  // The value of each clock afterwards: that of a clock before, and so much more.
   struct After {
     std::uint16_t source;
     Raw value;

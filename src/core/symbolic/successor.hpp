@@ -36,7 +36,7 @@ struct Action {
   std::vector<zones::Atom> guard;
 };
 
-// What an action does to the discrete state: all that is known before the zone is looked at.
+// The effect of an action on the discrete state: all that is known without the zone.
 struct Effect {
   std::vector<std::int32_t> slots;  // all slots, frame slots included
   program::SlotSet written;         // holds every slot of the state that differs from the source
@@ -70,13 +70,13 @@ class Semantics {
   // `atoms`; false if it never holds.
   bool weakest_precondition(const Effect& effect, std::vector<zones::Atom>& atoms) const;
 
-  // Whether time may pass in a discrete state: no urgent or committed location, no enabled urgent synchronisation.
+  // True if time may pass in a discrete state: no urgent or committed location, no enabled urgent synchronisation.
   bool time_passes(std::int32_t* slots);
 
   // Which clocks stand still; null if none can in this program.
   const std::uint8_t* stopped_clocks(std::int32_t* slots);
 
-  // What code computes. Throws ModelFault.
+  // The value that code computes. Throws ModelFault.
   std::int64_t value(std::int32_t code, std::int32_t* slots) { return machine_.value(code, slots); }
 
   // Tests and code of a condition.
@@ -135,20 +135,20 @@ class Semantics {
     return outgoing_[location_number(process, slots[process])];
   }
   std::int32_t channel_of(const program::Edge& edge, std::int32_t* slots);
-  // Whether a receiving edge may name the channel and the integer part of its guard holds.
+  // True if a receiving edge may name the channel and the integer part of its guard holds.
   bool may_receive(std::uint32_t number, std::int32_t channel, std::int32_t* slots) {
     return program_.edges[number].may_name(channel) && guard_may_hold(number, slots);
   }
-  // Whether an edge that may name the channel does so now. Only to be called where its guard holds.
+  // True if an edge that may name the channel does so now. Only to be called where its guard holds.
   bool names(const program::Edge& edge, std::int32_t channel, std::int32_t* slots) {
     return edge.channel_code == program::no_code || channel_of(edge, slots) == channel;
   }
-  // Whether a sending edge names an urgent channel in some state.
+  // True if a sending edge names an urgent channel in some state.
   bool may_be_urgent(const program::Edge& edge) const;
   // As `names`, evaluated only if the guard of the edge holds somewhere in the zone; uses the buffer of this level.
   bool names_within(const program::Edge& edge, std::int32_t channel, std::int32_t* slots, zones::ConstZoneRef zone,
                     std::size_t level);
-  // Whether the integer part of an edge's guard holds.
+  // True if the integer part of an edge's guard holds.
   bool guard_may_hold(std::uint32_t number, std::int32_t* slots) {
     const IntegerGuard& guard = integer_guards_[number];
     for (std::uint32_t n = guard.first_test; n < guard.last_test; ++n)
@@ -243,7 +243,7 @@ template <class Visit>
 void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
                           std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
   const std::size_t first = receiving_.size();
-  bool must_join = false;  // some listener asks nothing of the clocks
+  bool must_join = false;  // some receiver has no clock guard
   std::uint32_t receiver = 0;
   for (; !receivers.empty() && receiving_.size() == first; receivers = receivers.subspan(1)) {
     receiver = receivers.front();

@@ -40,7 +40,7 @@ struct SymbolicState {
   zones::ZoneBuffer zone;
 };
 
-// A step to a symbolic state, valid during the call that tells of it.
+// A step to a symbolic state, valid during the call that passes it.
 struct Successor {
   std::span<const std::uint32_t> edges;  // of the action; none for an initial state
   std::int32_t* slots;
@@ -56,7 +56,7 @@ struct ActionFault : machine::ModelFault {
   Edges edges;
 };
 
-// What is done with the successors of a state. Where processes are interchangeable, actions that differ by an exchange
+// The receiver of the successors of a state. Where processes are interchangeable, actions that differ by a permutation
 // that leaves the state as it is have successors that do, too: the graph reports one of them in full, of the others at
 // most that they are possible. For each action it calls these functions of the receiver, in this order:
 //   counts()                   optional, called first: whether the receiver needs `possible` for every action
@@ -108,7 +108,7 @@ class ZoneGraph final {
     abstraction_.apply(slots, zone, take);
   }
 
-  // Whether a zone may be dropped for one that simulates it where only what can be reached matters: the constants that
+  // True if a zone may be dropped for one that simulates it where only what can be reached matters: the constants that
   // count are known, and time passes for all clocks alike.
   bool knows_simulation() const {
     return options_.extrapolation != Extrapolation::none && smaller_.empty() && !program_.has_stopwatches &&
@@ -139,7 +139,7 @@ class ZoneGraph final {
   // Lets time pass in `target_`.
   void delay(Effect& effect);
   // Throws GivenUp; checks only now and then.
-  void look_at_the_time() {
+  void check_patience() {
     constexpr std::uint32_t seldom = 64;
     if (++actions_ % seldom == 0) zones::Patience::check();
   }
@@ -186,7 +186,7 @@ void ZoneGraph::expand(SymbolicState& source, R&& receiver) {
   if constexpr (requires { receiver.counts(); }) counts = receiver.counts();
   if (sorts) equivalent_.find(slots, source.zone.get());
   const auto visit = [&](const Action& action, zones::ConstZoneRef guarded) {
-    look_at_the_time();
+    check_patience();
     if constexpr (requires { receiver.admits(action.edges); })
       if (!receiver.admits(action.edges)) return;
     const bool repeats = sorts && equivalent_.repeats(action.edges);
@@ -212,7 +212,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
   std::int32_t* slots = source.slots.data();
   std::vector<Ranked> actions;
   semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, zones::ConstZoneRef guarded) {
-    look_at_the_time();
+    check_patience();
     Ranked ranked{action.edges, zones::ZoneBuffer(operations_), action.guard, {}, {}};
     ranked.guarded.assign(guarded);
     if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, ranked.effect); })) return;
@@ -227,7 +227,7 @@ void ZoneGraph::expand_by_priority(SymbolicState& source, R& receiver) {
     for (const Ranked& other : actions)
       if (other.priority > action.priority) first.subtract(other.possible);
     for (std::size_t piece = 0; piece < first.size(); ++piece) {
-      look_at_the_time();
+      check_patience();
       Effect effect = action.effect;
       follow(action.edges, first[piece], effect, receiver);
     }

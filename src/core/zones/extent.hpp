@@ -48,7 +48,7 @@ struct Extent {
   friend bool operator==(const Extent&, const Extent&) = default;
 
  private:
-  // What every 64-bit machine compares at once. Copied, since extents lie wherever 16-bit numbers may.
+  // A block that every 64-bit machine compares at once. Copied, since extents lie wherever 16-bit numbers may.
   typedef std::int16_t Part __attribute__((vector_size(16)));
   typedef std::uint16_t Naturals __attribute__((vector_size(16)));
   typedef std::uint32_t Quads __attribute__((vector_size(16)));

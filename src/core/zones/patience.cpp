@@ -5,7 +5,7 @@
 namespace tachk::zones {
 namespace {
 
-constexpr std::chrono::milliseconds between_looks{25};
+constexpr std::chrono::milliseconds poll_interval{25};
 
 thread_local Patience* own = nullptr;
 
@@ -14,19 +14,19 @@ thread_local Patience* own = nullptr;
 Patience::Patience(std::optional<Clock::time_point> end, std::function<bool()> is_wanted)
     : end_(end),
       is_wanted_(std::move(is_wanted)),
-      next_(Clock::now() + between_looks),
+      next_(Clock::now() + poll_interval),
       before_(std::exchange(own, this)) {}
 
 Patience::~Patience() { own = before_; }
 
 void Patience::check() {
-  if (own != nullptr) own->look();
+  if (own != nullptr) own->poll();
 }
 
-void Patience::look() {
+void Patience::poll() {
   const Clock::time_point now = Clock::now();
   if (now < next_ && (!end_ || now < *end_)) return;
-  next_ = now + between_looks;
+  next_ = now + poll_interval;
   if ((end_ && now >= *end_) || !is_wanted_()) over_ = true;
   if (over_) throw GivenUp{};
 }

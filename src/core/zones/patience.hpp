@@ -1,4 +1,4 @@
-// When work of the core is given up in the midst: because the time for it is over, or because somebody wants it to end.
+// Work of the core that is given up in the midst: because its time is over, or because the caller wants it to end.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace tachk::zones {
 
-// What was being done is half done: its owner cannot go on from there.
+// The work is half done: its owner cannot go on from there.
 struct GivenUp : std::exception {
   const char* what() const noexcept override { return "work was given up"; }
 };
@@ -28,7 +28,7 @@ class Patience final {
   static void check();
 
  private:
-  void look();
+  void poll();
 
   std::optional<Clock::time_point> end_;
   std::function<bool()> is_wanted_;

@@ -48,7 +48,7 @@ struct ZoneOperations {
   void (*assign)(ZoneRef zone, int dimension, const std::int32_t* entries);
   // The zone and the atoms; false, and an unusable zone, if that is empty.
   bool (*intersect)(ZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
-  // Whether each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
+  // True if each atom by itself leaves something of the zone; cheap, and necessary for `intersect`.
   bool (*meets_each)(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count);
   // Sets clocks, in order. What copies add up to must be at most `largest_constant`.
   void (*reset)(ZoneRef zone, int dimension, const ClockReset* resets, std::size_t count);
@@ -59,16 +59,16 @@ struct ZoneOperations {
   void (*up_within)(ZoneRef zone, int dimension, const std::uint8_t* stopped, const Atom* atoms, std::size_t count);
   // All valuations from which the zone is reached by letting time pass.
   void (*down)(ZoneRef zone, int dimension);
-  // Whether `outer` contains `inner`.
+  // True if `outer` contains `inner`.
   bool (*includes)(ConstZoneRef outer, ConstZoneRef inner, int dimension);
-  // Whether each valuation of `inner` is simulated by one of `outer`: exactly, whether `inner` lies in the abstraction
+  // True if each valuation of `inner` is simulated by one of `outer`: exactly, if `inner` lies in the abstraction
   // aLU of `outer` (F. Herbreteau, B. Srivathsan, I. Walukiewicz, "Better abstractions for timed automata", LICS 2012).
   // Bounds as for `extrapolate_lu_plus`.
   bool (*simulates)(ConstZoneRef outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds);
   // Makes a zone the smallest one that contains both.
   void (*hull)(ZoneRef zone, ConstZoneRef other, int dimension);
   // Makes a zone its union with the other one, if that is a zone and larger; false, and nothing changed, if it is not.
-  bool (*unite)(ZoneRef zone, ConstZoneRef other, int dimension);
+  bool (*convex_union)(ZoneRef zone, ConstZoneRef other, int dimension);
   // Extra+LU (Behrmann, Bouyer, Larsen, Pelanek 2006, definition 7), closed again. `lower[i]` and `upper[i]` hold
   // L(x_i) and U(x_i), -1 for minus infinity, in the entry type of the zone; `stride` entries, entry 0 and the padding
   // are `no_bound`.
@@ -90,7 +90,7 @@ struct ZoneOperations {
   void (*scatter)(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count, int length);
   // The zone with its clocks renamed: clock i of the target is clock sources[i] of the zone.
   void (*rename)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources);
-  // Whether the zone with its clocks renamed is the same. `moved`: the clocks i for which sources[i] is another one.
+  // True if the zone with its clocks renamed is the same. `moved`: the clocks i for which sources[i] is another one.
   bool (*stays)(ConstZoneRef zone, int dimension, const std::uint16_t* sources, const std::uint16_t* moved,
                 std::size_t count);
   // Of each clock the sum of its row and that of its column, as far as entries count: those are cut off far out. A

@@ -152,13 +152,13 @@ struct CheckedKernel : Kernel<T, Stride> {
     K::hull(zone, other, dimension);
     TACHK_EXPECT(canonical(zone, dimension));
   }
-  static bool unite(ZoneRef zone, ConstZoneRef other, int dimension) {
+  static bool convex_union(ZoneRef zone, ConstZoneRef other, int dimension) {
     TACHK_EXPECT(canonical(zone, dimension));
     TACHK_EXPECT(canonical(other, dimension));
-    const bool united = K::unite(zone, other, dimension);
+    const bool is_zone = K::convex_union(zone, other, dimension);
     TACHK_EXPECT(canonical(zone, dimension));
-    TACHK_EXPECT(!united || K::includes(zone, other, dimension));
-    return united;
+    TACHK_EXPECT(!is_zone || K::includes(zone, other, dimension));
+    return is_zone;
   }
   static void extrapolate_lu_plus(ZoneRef zone, int dimension, ConstBoundRow lower, ConstBoundRow upper) {
     TACHK_EXPECT(canonical(zone, dimension));

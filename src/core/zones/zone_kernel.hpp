@@ -315,7 +315,7 @@ struct Kernel {
 
   // The hull of two zones is their union if nothing of it breaks a bound of each. The hull is closed, so that what
   // breaks x_i - x_j ~ a and x_k - x_l ~ b is empty only by the cycle j, i, l, k: two bounds broken, two of the hull.
-  static bool unite(ZoneRef zone, ConstZoneRef other, int dimension) {
+  static bool convex_union(ZoneRef zone, ConstZoneRef other, int dimension) {
     Bound mine[most_bounds];
     Bound theirs[most_bounds];
     const int gained = tighter_bounds(zone, other, dimension, mine);
@@ -636,7 +636,7 @@ struct Table {
     table.includes = K::template includes<ConstZoneRef, ConstZoneRef>;
     table.simulates = K::template simulates<ConstZoneRef, ConstZoneRef>;
     table.hull = K::hull;
-    table.unite = K::unite;
+    table.convex_union = K::convex_union;
     table.extrapolate_lu_plus = K::extrapolate_lu_plus;
     table.extrapolate_max = K::extrapolate_max;
     table.maximise_bounds = K::maximise_bounds;

@@ -1,6 +1,6 @@
 // References to zones and to rows of bounds, by which they are passed around: they do not own what they refer to, know
 // neither its dimension nor the type of its entries, and cost no more than the pointer they are. Two types, so that the
-// compiler tells a matrix from a row, and two more for what may only be read.
+// compiler distinguishes a matrix from a row, and two more for what may only be read.
 #pragma once
 
 #include <cstddef>

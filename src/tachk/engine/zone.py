@@ -166,7 +166,7 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
     fault = None
     if isinstance(search, _core.Explorer):
         fault = fault_of(program, search) if ended.status is _core.Status.FAULT else None
-    if not isinstance(search, _core.LocalExplorer) or search.exchanges():
+    if not isinstance(search, _core.LocalExplorer) or search.permutes():
         statistics = with_orbits(statistics, program)
     outcomes = tuple(goal_outcome(program, search, number, goal, ended.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)

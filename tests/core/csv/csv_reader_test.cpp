@@ -100,19 +100,19 @@ void reads_dates_and_texts() {
   CHECK(!reader.feed("2001-02-29,0,c\n") && reader.fault()->kind == CsvFaultKind::not_a_number);
 }
 
-void bad_options_are_refused() {
+void bad_options_are_rejected() {
   for (const int wrong : {0, 1, 2}) {
     CsvOptions options = two_columns();
     if (wrong == 0) options.time = 3;
     if (wrong == 1) options.columns = {0};
     if (wrong == 2) options.times.most_decimals = 19;
-    bool refused = false;
+    bool rejected = false;
     try {
       CsvReader reader(options);
     } catch (const std::invalid_argument&) {
-      refused = true;
+      rejected = true;
     }
-    CHECK(refused);
+    CHECK(rejected);
   }
 }
 
@@ -125,5 +125,5 @@ int main() {
   taking_goes_on();
   fixed_decimals();
   reads_dates_and_texts();
-  bad_options_are_refused();
+  bad_options_are_rejected();
 }

@@ -91,7 +91,7 @@ void test_time_that_passes_for_ever() {
   CHECK(violation(program)->kind == ViolationKind::stuck);
 }
 
-// What a run can do before the predicate becomes true counts, what it can do afterwards does not.
+// Actions of a run before the predicate becomes true count, those afterwards do not.
 void test_a_predicate_that_becomes_true_while_time_passes() {
   Program program = one_process();
   limit_stay(program, 0, 5);

@@ -149,13 +149,13 @@ void test_deadlocks_are_found_with_equal_bounds_only() {
   CHECK(local.path_to_goal(0)->size() == 3);
   CHECK(!local.path_to_goal(1));
   options.extrapolation = Extrapolation::lu;
-  bool refused = false;
+  bool rejected = false;
   try {
     LocalExplorer other(program, options);
   } catch (const std::invalid_argument&) {
-    refused = true;
+    rejected = true;
   }
-  CHECK(refused);
+  CHECK(rejected);
 }
 
 void test_what_is_shared() {

@@ -23,7 +23,7 @@ constexpr std::int32_t slots = 16;
 constexpr std::int32_t counters = 6;  // slots behind those, one for each level of loops
 constexpr std::int32_t largest_reset = 1000;
 
-// What a piece of code does: its value, or its fault.
+// The result of a piece of code: its value, or its fault.
 struct Result {
   std::int64_t value = 0;
   std::optional<std::pair<FaultKind, std::int32_t>> fault;
@@ -158,7 +158,7 @@ Result interpret(const Program& program, std::int32_t code, std::vector<std::int
           next += 1;
           break;
         }
-        case Opcode::equal_cells: {
+        case Opcode::equal_slots: {
           const std::int64_t b = pop();
           const std::int64_t a = pop();
           stack.push_back(std::equal(memory.begin() + a, memory.begin() + a + operand[0], memory.begin() + b));
@@ -338,7 +338,7 @@ class Writer {
         case 6:
           address();
           emit(Opcode::constant, {pick(4)});
-          emit(pick(2) == 0 ? Opcode::copy : Opcode::equal_cells, {1 + pick(4)});
+          emit(pick(2) == 0 ? Opcode::copy : Opcode::equal_slots, {1 + pick(4)});
           depth_ -= code_[code_.size() - 2] == static_cast<std::int32_t>(Opcode::copy) ? 1 : 0;
           break;
         case 7:
@@ -502,8 +502,8 @@ void test_a_loop_without_end_is_a_fault() {
   CHECK(result.fault && result.fault->first == FaultKind::loop);
 }
 
-void test_code_that_makes_no_sense_is_refused() {
-  const auto refused = [](std::initializer_list<std::int32_t> words) {
+void test_code_that_makes_no_sense_is_rejected() {
+  const auto rejected = [](std::initializer_list<std::int32_t> words) {
     Program program = blank_program();
     append(program, words);
     try {
@@ -513,11 +513,11 @@ void test_code_that_makes_no_sense_is_refused() {
     }
     return false;
   };
-  CHECK(refused({20, 0}));                 // ADD on an empty stack
-  CHECK(refused({1, 5, 1, 5, 0}));         // two values at the end
-  CHECK(refused({53, 0, 54}));             // a function that calls itself
-  CHECK(refused({1, 1, 52, 6, 1, 2, 0}));  // the stack differs at the end
-  CHECK(refused({1, 1}));                  // no end
+  CHECK(rejected({20, 0}));                 // ADD on an empty stack
+  CHECK(rejected({1, 5, 1, 5, 0}));         // two values at the end
+  CHECK(rejected({53, 0, 54}));             // a function that calls itself
+  CHECK(rejected({1, 1, 52, 6, 1, 2, 0}));  // the stack differs at the end
+  CHECK(rejected({1, 1}));                  // no end
 }
 
 }  // namespace
@@ -525,5 +525,5 @@ void test_code_that_makes_no_sense_is_refused() {
 int main() {
   test_random_code();
   test_a_loop_without_end_is_a_fault();
-  test_code_that_makes_no_sense_is_refused();
+  test_code_that_makes_no_sense_is_rejected();
 }

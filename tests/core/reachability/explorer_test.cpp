@@ -348,7 +348,7 @@ void test_fault_reports_where_and_how() {
   CHECK(explorer.fault()->edges == std::vector<std::uint32_t>{1});
 }
 
-// A broadcast that a receiver hears only while its clock is at most 3.
+// A broadcast that a receiver receives only while its clock is at most 3.
 void test_broadcast_splits_on_the_receivers_clock() {
   Program program;
   program.clocks = 1;
@@ -401,17 +401,17 @@ void test_priority_blocks_only_where_the_higher_action_is_possible() {
   CHECK(!blocked.reached(0));
 }
 
-void test_images_that_are_no_programs_are_refused() {
+void test_images_that_are_no_programs_are_rejected() {
   for (const std::vector<std::int64_t>& image :
        {std::vector<std::int64_t>{}, std::vector<std::int64_t>{1, 2}, std::vector<std::int64_t>{0, 0, -1},
         std::vector<std::int64_t>{0, 0, 0, 1000000000}, std::vector<std::int64_t>{0, 0, std::int64_t{1} << 32}}) {
-    bool refused = false;
+    bool rejected = false;
     try {
       decode_program(image);
     } catch (const std::invalid_argument&) {
-      refused = true;
+      rejected = true;
     }
-    CHECK(refused);
+    CHECK(rejected);
   }
 }
 
@@ -433,6 +433,6 @@ int main() {
   test_fault_reports_where_and_how();
   test_broadcast_splits_on_the_receivers_clock();
   test_priority_blocks_only_where_the_higher_action_is_possible();
-  test_images_that_are_no_programs_are_refused();
+  test_images_that_are_no_programs_are_rejected();
   std::puts("the explorer gives the known answers");
 }

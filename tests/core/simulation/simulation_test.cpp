@@ -61,11 +61,11 @@ std::vector<std::int64_t> chances() {
 
 void test_a_race_is_won_as_often_as_rates_say() {
   const Simulation simulation(race(), chances());
-  Order order;
-  order.seed = 5;
-  order.runs = 40'000;
-  order.recording = {true, true, false};
-  const std::vector<RunRecord> runs = simulation.run(order);
+  RunRequest request;
+  request.seed = 5;
+  request.runs = 40'000;
+  request.recording = {true, true, false};
+  const std::vector<RunRecord> runs = simulation.run(request);
   std::int64_t won = 0;
   for (const RunRecord& run : runs) {
     CHECK(run.transitions == 1);
@@ -73,8 +73,8 @@ void test_a_race_is_won_as_often_as_rates_say() {
     won += run.observed.back();
   }
   CHECK(std::abs(static_cast<double>(won) - 30'000) < 4.5 * std::sqrt(40'000 * 0.75 * 0.25));
-  order.threads = 4;
-  const std::vector<RunRecord> again = simulation.run(order);
+  request.threads = 4;
+  const std::vector<RunRecord> again = simulation.run(request);
   for (std::size_t n = 0; n < runs.size(); ++n) {
     CHECK(runs[n].times == again[n].times);
     CHECK(runs[n].edges == again[n].edges);

@@ -141,7 +141,7 @@ int main() {
     test_broken_zones(vector);
     test_broken_arguments(vector);
   }
-  std::puts("broken contracts are told");
+  std::puts("broken contracts are reported");
 #else
   std::puts("built without contracts");
 #endif

@@ -126,7 +126,7 @@ def test_what_a_shell_shows_is_short(lamp: Path) -> None:
     assert repr(judged["p1"]) == "<MonitorVerdict p1: false, G a>"
 
 
-def test_what_is_wrong_with_a_property_that_was_asked_for(lamp: Path) -> None:
+def test_what_is_wrong_with_a_property_that_was_requested(lamp: Path) -> None:
     lamp.write_text(LAMP + "property open : F G (Lamp.Bright || F[0,2] Lamp.Bright);\n", encoding="utf-8")
     model = tachk.load(lamp)
     with pytest.raises(tachk.InputError, match="E0730"):
@@ -136,7 +136,7 @@ def test_what_is_wrong_with_a_property_that_was_asked_for(lamp: Path) -> None:
         model.verify(property="brigth")
 
 
-def test_queries_keep_their_numbers_beside_refused_ones(lamp: Path, tmp_path: Path) -> None:
+def test_queries_keep_their_numbers_beside_rejected_ones(lamp: Path, tmp_path: Path) -> None:
     queries = tmp_path / "some.q"
     queries.write_text("F G (Lamp.Bright || F[0,2] Lamp.Bright)\nE<> Lamp.Bright\n", encoding="utf-8")
     report = tachk.load(lamp).verify("F[0,3] Lamp.Low", "E<> Lamp.Low", query_files=[queries])

@@ -54,7 +54,7 @@ def test_a_probability_is_in_the_table() -> None:
     assert "<td>0.9245 to 1.0000</td>" in model.verify()._repr_html_()
 
 
-def test_a_run_is_told_by_names(report: tachk.Report) -> None:
+def test_a_run_is_reported_by_names(report: tachk.Report) -> None:
     run = report.run("mutual_exclusion")
     assert run is not None
     assert repr(run) == "<Run of 6 steps about mutual_exclusion>"

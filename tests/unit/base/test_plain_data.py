@@ -37,7 +37,7 @@ class Outer:
 INNER = Inner(Fraction(5, 2), Colour.RED)
 
 
-def test_a_dataclass_is_told_with_its_fields() -> None:
+def test_a_dataclass_is_reported_with_its_fields() -> None:
     told = PlainData().of(Outer("a", INNER, {Colour.RED: 1}, (1.5, Level.HIGH, None, True)))
     assert told == {
         "name": "a",
@@ -67,7 +67,7 @@ def test_a_function_stands_for_fields_whatever_the_type() -> None:
     assert plain([0.6, 1]) == [1, 1]
 
 
-def test_what_has_no_plain_data_is_refused() -> None:
+def test_what_has_no_plain_data_is_rejected() -> None:
     for value in (object(), {1, 2}, b"bytes"):
         with pytest.raises(TypeError, match="has no plain data"):
             PlainData()(value)

@@ -20,7 +20,7 @@ def test_existing_files_are_models_and_formulas_are_queries(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("argument", ["gone.ta", "gone.xml", "word", "a/b.xta", ".", "-", ""])
-def test_what_is_neither_is_refused(argument: str, tmp_path: Path) -> None:
+def test_what_is_neither_is_rejected(argument: str, tmp_path: Path) -> None:
     (tmp_path / "a.ta").touch()
     with chdir(tmp_path), pytest.raises(UsageError):
         split_models_and_queries(["a.ta", argument])
@@ -45,13 +45,13 @@ def test_definitions_keep_their_expressions() -> None:
 
 
 @pytest.mark.parametrize("definition", ["N", "N=", "=4", "3=4", "a b=1"])
-def test_malformed_definitions_are_refused(definition: str) -> None:
+def test_malformed_definitions_are_rejected(definition: str) -> None:
     with pytest.raises(UsageError):
         parse_definitions([definition])
 
 
 @pytest.mark.parametrize("values", ["1..3", "1:3", "0:1:5", "-1 .. N", "1,2,3", "1...3"])
-def test_a_range_of_values_is_refused_with_the_reason(values: str) -> None:
+def test_a_range_of_values_is_rejected_with_the_reason(values: str) -> None:
     with pytest.raises(UsageError, match=f"-D N={values}: one value at a time") as caught:
         parse_definitions([f"N={values}"])
     assert caught.value.help is not None
@@ -81,6 +81,6 @@ def test_sizes(text: str, size: int) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "M", "-1", "2T", "1 2"])
-def test_malformed_sizes_are_refused(text: str) -> None:
+def test_malformed_sizes_are_rejected(text: str) -> None:
     with pytest.raises(UsageError):
         parse_size(text)

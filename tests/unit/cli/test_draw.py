@@ -31,7 +31,7 @@ def test_each_template_has_a_file_imported_ones_too(model: Path, tmp_path: Path)
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["Lamp.svg", "User.svg"]
 
 
-def test_one_file_holds_all_templates_or_the_one_asked_for(model: Path, tmp_path: Path) -> None:
+def test_one_file_holds_all_templates_or_the_one_requested(model: Path, tmp_path: Path) -> None:
     run_draw(str(model), tmp_path / "all.svg", None)
     run_draw(str(model), tmp_path / "user.svg", "User")
     assert ">On<" in (tmp_path / "all.svg").read_text() and ">Idle<" in (tmp_path / "all.svg").read_text()
@@ -67,7 +67,7 @@ def test_png_is_a_picture_with_its_letters(model: Path, tmp_path: Path) -> None:
     assert (tmp_path / "b.png").read_bytes() != content, "names are drawn"
 
 
-def test_other_endings_are_refused(model: Path, tmp_path: Path) -> None:
+def test_other_endings_are_rejected(model: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"as \.svg or \.png"):
         run_draw(str(model), tmp_path / "a.jpg", None)
     assert not (tmp_path / "a.jpg").exists()

@@ -69,7 +69,7 @@ def test_report_in_a_file_and_messages_on_screen(model: str, tmp_path: Path) -> 
         assert "E0750" in report.read_text(encoding="utf-8")
 
 
-def test_properties_that_are_refused_for_one_reason(model: str) -> None:
+def test_properties_that_are_rejected_for_one_reason(model: str) -> None:
     assert "\nq, z cannot be checked:\n" in CliRunner().invoke(app, ["verify", model]).output
 
 

@@ -51,7 +51,7 @@ def feed(monkeypatch: pytest.MonkeyPatch, pieces: list[str]) -> Pieces:
     return pipe
 
 
-def test_standard_input_is_judged_row_by_row(
+def test_standard_input_is_evaluated_row_by_row(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     lines = TEXT.splitlines(keepends=True)

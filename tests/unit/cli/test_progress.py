@@ -6,7 +6,7 @@ from tachk.cli import progress
 from tachk.engine.outcome import Statistics
 
 
-def test_line_tells_the_rate_since_the_last_one(
+def test_line_reports_the_rate_since_the_last_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     now = 0.0

@@ -225,7 +225,7 @@ def test_a_path_of_a_thousand_transitions() -> None:
     assert len(trace.steps) == 1000
 
 
-def test_a_deadlock_among_many_clocks_is_looked_for_where_the_path_ends() -> None:
+def test_a_deadlock_among_many_clocks_is_searched_for_where_the_path_ends() -> None:
     network = NetworkBuilder()
     for number in range(20):  # the deadlocks among all valuations make up a million zones
         c, d = network.clock(f"c{number}"), network.clock(f"d{number}")

@@ -155,7 +155,7 @@ def test_the_answer_is_that_of_the_ordinary_search(name: str) -> None:
     assert obstacle(encode(*lower(model.network, [verdict.query.target]))) == example.why
 
 
-def test_a_run_is_told_in_the_order_of_time() -> None:
+def test_a_run_is_reported_in_the_order_of_time() -> None:
     model = tachk.loads(
         """process P() { clock x; init location A { to B { guard x >= 7; assign x = 0; } } location B {} }
         process Q() { clock y; init location A { to B { guard y <= 2; assign y = 0; } } location B {} }

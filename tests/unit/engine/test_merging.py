@@ -94,7 +94,7 @@ system p;
 """D is entered in two ways that could be united, but it has been explored before the second one is found."""
 
 
-def test_what_has_been_explored_is_not_united() -> None:
+def test_what_has_been_explored_is_not_merged() -> None:
     (together, apart) = (
         verdict(tachk.loads(LATER), "E<> p.E && y < 4", replace(options(m), extrapolation=Extrapolation.NONE))
         for m in (True, False)
@@ -122,7 +122,7 @@ system P, Q;
 """Zones are larger than what is reachable where x stands still, those of a union more than those of its parts."""
 
 
-def test_where_clocks_stop_nothing_is_united() -> None:
+def test_where_clocks_stop_nothing_is_merged() -> None:
     """No part of a united state led to the goal that it led to itself."""
     found = [
         verdict(tachk.loads(STOPPED), "E<> Q.d && z - y >= 2 && z < n + 1", options(merging))
@@ -153,7 +153,7 @@ system p;
 """D is entered at once, and later in two ways that are united; the search comes to the error before it goes on."""
 
 
-def test_the_run_to_an_error_is_looked_for_beyond_goals() -> None:
+def test_the_run_to_an_error_is_searched_for_beyond_goals() -> None:
     found = tuple(
         verdict(
             tachk.loads(GOAL_NEARBY),
@@ -183,7 +183,7 @@ def test_published_models_have_fewer_states() -> None:
         ("A<> First.Done", SearchOrder.AUTO),
     ],
 )
-def test_nothing_is_united_where_more_matters_than_what_can_be_reached(query: str, order: SearchOrder) -> None:
+def test_nothing_is_merged_where_more_matters_than_what_can_be_reached(query: str, order: SearchOrder) -> None:
     model = tachk.loads(TWO_ORDERS.replace("6 / (done - 2)", "6 / done"))
     together, apart = (verdict(model, query, options(merging, order)) for merging in (True, False))
     assert together.statistics.states_stored == apart.statistics.states_stored

@@ -18,7 +18,7 @@ from tachk.verify.verify import verify
     "wrong",
     [{"seed": -1}, {"seed": 2**32}, {"chunk_words": -1}, {"chunk_words": 2**40}, {"width": 8}, {"width": 17}],
 )
-def test_an_option_out_of_its_range_is_refused(wrong: dict[str, Any]) -> None:
+def test_an_option_out_of_its_range_is_rejected(wrong: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Options(**wrong)
 
@@ -26,7 +26,7 @@ def test_an_option_out_of_its_range_is_refused(wrong: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "wrong", [{"states": -1}, {"seconds": -0.5}, {"seconds": float("nan")}, {"memory_bytes": -1}, {"depth": -1}]
 )
-def test_a_limit_below_zero_is_refused(wrong: dict[str, Any]) -> None:
+def test_a_limit_below_zero_is_rejected(wrong: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Limits(**wrong)
 

@@ -121,7 +121,7 @@ def test_a_depth_limit_leaves_goals_undecided() -> None:
     assert len(outcome.goals[0].path) == 3
 
 
-def test_regions_refuse_stopwatches_and_the_grid_does_not() -> None:
+def test_regions_reject_stopwatches_and_the_grid_does_not() -> None:
     network = NetworkBuilder()
     x, y = network.clock("x"), network.clock("y")
     network.process("P").location("A", rates=[(x, 0)])

@@ -57,7 +57,7 @@ def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     assert verdict(REACHED, ALL_STATES.off("attempts"), more).answer is Answer.UNKNOWN
 
 
-def test_the_time_of_both_searches_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_time_of_both_searches_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     clock, begin, later = time.perf_counter, portfolio.PORTFOLIO[-1].begin, [0.0]
 
     def taking_long(problem: SearchProblem) -> Any:
@@ -94,7 +94,7 @@ def test_interchangeable_processes_keep_their_places_depth_first(monkeypatch: py
     ],
     ids=["breadth first", "shortest", "off"],
 )
-def test_nothing_is_tried_where_the_order_is_asked_for(options: Options, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_tried_where_the_order_is_requested(options: Options, monkeypatch: pytest.MonkeyPatch) -> None:
     with_search_budgets(monkeypatch, after=100)
     assert verdict(REACHED, options, Limits(states=2000)).answer is Answer.UNKNOWN
 
@@ -106,7 +106,7 @@ def test_limits_are_kept(limits: Limits, monkeypatch: pytest.MonkeyPatch) -> Non
     assert verdict(REACHED, limits=Limits(depth=60, states=2000)).answer is Answer.HOLDS
 
 
-def test_deadlocks_are_looked_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_deadlocks_are_searched_for_depth_first(monkeypatch: pytest.MonkeyPatch) -> None:
     with_search_budgets(monkeypatch, after=100)
     found = verdict("E<> deadlock", limits=Limits(states=2000))
     assert (found.answer, found.statistics.states_stored < 1000) == (Answer.HOLDS, True)
@@ -213,7 +213,7 @@ class Counting:
 
 
 @pytest.mark.parametrize("size", [1, 7, 64, 100, 10**6])
-def test_a_stretch_is_the_same_however_it_is_divided(size: int) -> None:
+def test_a_segment_is_the_same_however_it_is_divided(size: int) -> None:
     for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
         search = Counting()
         stretch = portfolio.BudgetedSearch(search, **bound)

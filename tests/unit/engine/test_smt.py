@@ -165,7 +165,7 @@ def test_an_urgent_channel_stops_time_only_with_a_partner() -> None:
     assert status_of(text.replace("READY", "0")) is Status.REACHED
 
 
-def test_whoever_can_hear_a_broadcast_takes_part() -> None:
+def test_a_process_that_can_receive_a_broadcast_takes_part() -> None:
     text = """
     broadcast chan all;
     process P() { init location A { to B { sync all!; } } location B; }
@@ -294,7 +294,7 @@ def test_loops_and_early_returns_are_executed_for_all_states_at_once() -> None:
         """,
     ],
 )
-def test_what_is_not_encoded_is_refused_by_name(text: str) -> None:
+def test_what_is_not_encoded_is_rejected_by_name(text: str) -> None:
     with pytest.raises(UnsupportedError) as caught:
         outcome_of(text)
     assert caught.value.diagnostic.code == "E0745"

@@ -196,7 +196,7 @@ def test_errors_in_blocked_updates_and_later_moments_are_met() -> None:
     assert found.answer is Answer.UNKNOWN and found.fault is not None
 
 
-def test_too_many_ways_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_ways_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(actions, "_ACTIONS", 2)
     text = PRIORITIES.format(order="a < default < b", late=2, after=9)
     network = tachk.loads(text.replace("to s { sync a?; }", "to s { sync a?; } " * 2)).network

@@ -207,7 +207,7 @@ def test_a_local_channel_cannot_carry_values_in_uppaal() -> None:
         expand(model)
 
 
-def test_an_operator_that_no_version_has_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_operator_that_no_version_has_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     text = "int n; process P() { state A; init A; trans A -> A { assign n = n ** 2; }; } system P;"
     assert "n ** 2" in xta(load(text))
     row = operators._ROWS[BinaryOperator.POWER]._replace(since=None)
@@ -253,7 +253,7 @@ def test_constants_from_outside_are_written_down() -> None:
     assert xta(model, "N", "B").startswith("const int N = 7, M = 1;\nconst bool B = true;\n")
 
 
-def test_names_that_a_version_refuses_are_replaced_everywhere() -> None:
+def test_names_that_a_version_rejects_are_replaced_everywhere() -> None:
     written_model = load("""\
 int exit_1 = 0;
 int location = 1;

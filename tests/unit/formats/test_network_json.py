@@ -89,7 +89,7 @@ def test_a_changed_bound_is_another_network() -> None:
 
 
 @pytest.mark.parametrize("change", [{"format": "x"}, {"version": 2}, {"processes": 3}, {"variables": [{}]}])
-def test_other_json_is_refused(change: dict[str, object]) -> None:
+def test_other_json_is_rejected(change: dict[str, object]) -> None:
     with pytest.raises(UsageError):
         network_from_json({**network_to_json(rich()), **change})
     with pytest.raises(UsageError):

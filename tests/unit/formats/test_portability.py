@@ -50,7 +50,7 @@ def test_names_that_version_5_took(text: str, place: str) -> None:
     assert found(text, UppaalVersion.UPPAAL_4_1) == []
 
 
-def test_names_that_cannot_be_asked_for() -> None:
+def test_names_that_cannot_be_requested() -> None:
     text = process("state X; init X;")
     assert found(text) == []
     assert ("E0811", "X") in found(text + "\nproperty p : E<> P.X;")
@@ -297,6 +297,6 @@ def test_structs_with_texts_doubles_and_constants(text: str) -> None:
         "typedef string T;",
     ],
 )
-def test_texts_in_structs_refuse_the_model_before_its_portability_is_checked(text: str) -> None:
+def test_texts_in_structs_reject_the_model_before_its_portability_is_checked(text: str) -> None:
     model = load_model(Source("model.ta", f"{text} {process('state a; init a;')}"))
     assert [d.code for d in model.refusals if d.severity is Severity.ERROR] == ["E0750"]

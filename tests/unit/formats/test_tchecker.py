@@ -228,7 +228,7 @@ REFUSALS = {
 
 
 @pytest.mark.parametrize("what", REFUSALS)
-def test_what_tchecker_has_no_words_for_is_refused_by_name(what: str) -> None:
+def test_what_tchecker_has_no_words_for_is_rejected_by_name(what: str) -> None:
     with pytest.raises(UnsupportedError) as caught:
         export(REFUSALS[what])
     diagnostic = caught.value.diagnostic
@@ -237,7 +237,7 @@ def test_what_tchecker_has_no_words_for_is_refused_by_name(what: str) -> None:
     assert diagnostic.span.source.name == "model.ta"
 
 
-def test_a_refusal_names_all_places() -> None:
+def test_a_rejection_names_all_places() -> None:
     with pytest.raises(UnsupportedError) as caught:
         export("void f() { } process P() { init location A { to A { assign f(); } to A { assign f(); } } } system P;")
     assert len(caught.value.diagnostic.labels) == 1

@@ -197,7 +197,7 @@ def test_a_vector_for_which_a_process_has_no_edge_stands_for_nothing_beside_othe
     assert not loaded.warnings
 
 
-def test_an_edge_all_of_whose_vectors_never_happen_is_told() -> None:
+def test_an_edge_all_of_whose_vectors_never_happen_is_reported() -> None:
     text = system("edge:P:l:l:a{do: i=1}", "edge:Q:l:l:b{}", "sync:P@a:R@a", "sync:R@b:Q@b")
     loaded = load_model(Source("m.tck", text))
     assert [(warning.code, warning.span.text) for warning in loaded.warnings] == [

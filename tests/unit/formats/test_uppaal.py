@@ -210,7 +210,7 @@ def test_results_go_when_the_formula_or_the_expectation_changes() -> None:
         assert "<result" not in xml and outcome in xml
 
 
-def test_queries_that_uppaal_refuses_are_set_aside_and_found_again() -> None:
+def test_queries_that_uppaal_rejects_are_set_aside_and_found_again() -> None:
     model = load(
         "broadcast chan c;"
         "process P() { clock x; init location A { to A { guard x > 1; sync c?; } to A { sync c!; } } }"

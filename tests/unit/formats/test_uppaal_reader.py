@@ -264,7 +264,7 @@ def test_labels_of_uppaal_3_are_read_with_one_warning() -> None:
     assert isinstance(guard, ast.BinaryExpression) and guard.operator == "&&"
 
 
-def test_message_sequence_charts_are_kept_and_told() -> None:
+def test_message_sequence_charts_are_kept_and_reported() -> None:
     model = read("<nta><lsc><name>L</name></lsc><system>system P;</system></nta>")
     assert codes(model) == ["W0123"]
     assert model.layout.extra == ("<lsc><name>L</name></lsc>",)

@@ -43,7 +43,7 @@ def test_an_element_spans_its_tags() -> None:
         ("<nta", 1, 1),
     ],
 )
-def test_what_is_not_well_formed_is_refused_with_its_place(text: str, line: int, column: int) -> None:
+def test_what_is_not_well_formed_is_rejected_with_its_place(text: str, line: int, column: int) -> None:
     found = refusal(text)
     assert found.code == "E0120"
     assert found.span.source.line_column(found.span.start) == (line, column)
@@ -64,7 +64,7 @@ BOMB = """<!DOCTYPE nta [
         ("<nta>&nbsp;</nta>", "entity"),
     ],
 )
-def test_entities_are_refused_by_name(text: str, name: str) -> None:
+def test_entities_are_rejected_by_name(text: str, name: str) -> None:
     found = refusal(text)
     assert found.code == "E0121"
     assert name in found.message

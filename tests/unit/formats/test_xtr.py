@@ -164,7 +164,7 @@ def witness(text: str = MODEL) -> tuple[Network, TimedTrace]:
     return model.network, run
 
 
-def test_the_trace_as_the_tracer_tells_it() -> None:
+def test_the_trace_as_the_tracer_prints_it() -> None:
     network, run = witness()
     told = read_model(network).trace(run_to_xtr(network, run))
     assert told[0].startswith("P(0).S P(1).S Q.W n=3 m=0 t(0)-z<=0 t(0)-P(0).x<=0 ")

@@ -105,7 +105,7 @@ def test_guards_in_normal_form(load: Any, edge: Any, written: str, expected: str
         ("z < 5", "E0301", "z"),
     ],
 )
-def test_refused_guards(find: Any, edge: Any, written: str, code: str, underlined: str) -> None:
+def test_rejected_guards(find: Any, edge: Any, written: str, code: str, underlined: str) -> None:
     assert find(edge(DECLARATIONS, f"guard {written};")) == [(code, underlined)]
 
 
@@ -163,7 +163,7 @@ def test_invariants(load: Any, written: str, condition: str, rates: list[tuple[s
         ("n++ < 3", "E0313"),
     ],
 )
-def test_refused_invariants(find: Any, written: str, code: str) -> None:
+def test_rejected_invariants(find: Any, written: str, code: str) -> None:
     assert [c for c, _ in find(f"{DECLARATIONS}\nprocess P() {{ state s {{ {written} }}; init s; }}")] == [code]
 
 

@@ -23,7 +23,7 @@ def test_errors_of_intact_items_are_reported_beside_a_syntax_error() -> None:
     assert messages(text) == ["E0101 ;", "E0201 z", "E0206 R"]
 
 
-def test_an_item_with_a_syntax_error_is_not_judged_further() -> None:
+def test_an_item_with_a_syntax_error_is_not_evaluated_further() -> None:
     text = "process P() { init location a { invariant z < ; to b { guard y > 1; } } }\nsystem P;"
     assert len(messages(text)) == 1
 

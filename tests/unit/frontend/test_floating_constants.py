@@ -98,7 +98,7 @@ def found_in(text: str) -> list[str]:
         ("1e999 > 0", ["E0605"]),
     ],
 )
-def test_what_is_refused(guard: str, codes: list[str]) -> None:
+def test_what_is_rejected(guard: str, codes: list[str]) -> None:
     text = MODEL.format(guard=guard, value="1").replace("process P() {", "process P() { clock x;")
     assert found_in(text) == codes
 
@@ -157,7 +157,7 @@ def test_functions_change_what_is_left_out_and_nothing_else_sees_it() -> None:
     assert [v.answer.value for v in model.verify()] == ["holds", "holds"]
 
 
-def test_a_function_that_reads_a_variable_that_changes_is_refused_with_its_callers() -> None:
+def test_a_function_that_reads_a_variable_that_changes_is_rejected_with_its_callers() -> None:
     model = tachk.loads("""int n; double cost;
     int step() { return fint(cost); }
     process P() { init location a { to a { assign n = step(); } } } system P; property p : A[] n == 0;""")
@@ -178,7 +178,7 @@ def test_double_parameters_of_templates_are_constants() -> None:
     assert [v.answer.value for v in model.verify()] == ["holds", "holds"]
 
 
-def test_the_second_engine_refuses_numbers_and_zones_have_certificates(tmp_path: Path) -> None:
+def test_the_second_engine_rejects_numbers_and_zones_have_certificates(tmp_path: Path) -> None:
     text = """int n;
     int half(int k) { double d = k; return fint(round(d / 2)); }
     process P() { init location a { to a { guard half(n) < 3; assign n = n + 1; } } }

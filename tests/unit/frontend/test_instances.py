@@ -168,7 +168,7 @@ def test_a_value_parameter_that_is_assigned_is_a_variable_of_the_process(load: A
     assert len({process.edges[0].updates for process in network.processes}) == 2
 
 
-def test_assigning_to_a_constant_parameter_is_refused(find: Any) -> None:
+def test_assigning_to_a_constant_parameter_is_rejected(find: Any) -> None:
     text = "process T(const int[0,3] i) { state s; init s; trans s -> s { assign i = 0; }; }\nsystem T;"
     assert find(text) == [("E0303", "i")]
 

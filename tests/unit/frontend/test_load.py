@@ -67,7 +67,7 @@ def test_findings_in_imported_files_name_the_file(tmp_path: Path) -> None:
     assert found.span.source.name.endswith("lib.ta")
 
 
-def test_circular_imports_are_refused(tmp_path: Path) -> None:
+def test_circular_imports_are_rejected(tmp_path: Path) -> None:
     path = write(tmp_path, main=f'import "a.ta";\n{PROCESS}system P;', a='import "b.ta";', b='import "a.ta";')
     assert codes(path) == [("E0416", 'import "a.ta";')]
     path = write(tmp_path, main=f'import "main.ta";\n{PROCESS}system P;')
@@ -143,7 +143,7 @@ def test_unknown_constants_from_outside(load: Any) -> None:
         load(CONSTANTS + PROCESS, v=4)
 
 
-def test_strict_xta_refuses_the_additions() -> None:
+def test_strict_xta_rejects_the_additions() -> None:
     plain = Source("m.xta", f"const int N = 3; {PROCESS}system P;")
     assert load_model(plain, strict_xta=True).network.constants == (("N", 3),)
     added = Source("m.ta", f"time_unit = 1 ms; {PROCESS}system P; property p : E<> P.s; signal a = 1;")
@@ -185,14 +185,14 @@ def test_a_contextual_keyword_may_name_a_type_of_an_imported_file(tmp_path: Path
     assert [location.name for location in network.processes[0].locations] == ["s"]
 
 
-def test_findings_are_told_in_the_order_of_the_lines() -> None:
+def test_findings_are_reported_in_the_order_of_the_lines() -> None:
     text = "Clock x;\nProcess P() {\n    init location a;\n}\nSystem P;\n"
     with pytest.raises(InputError) as caught:
         load_model(Source("m.ta", text))
     assert [str(found.span) for found in caught.value.diagnostics] == ["m.ta:1:1", "m.ta:2:1", "m.ta:5:1"]
 
 
-def test_findings_of_xml_are_told_in_the_order_of_the_file() -> None:
+def test_findings_of_xml_are_reported_in_the_order_of_the_file() -> None:
     text = """<nta><declaration>int a = b;</declaration>
 <template><name>P</name><declaration>int c = d;</declaration>
 <location id="id0"><name>A</name><label kind="invariant">e &lt; 3</label></location><init ref="id0"/>

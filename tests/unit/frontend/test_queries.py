@@ -203,14 +203,14 @@ def test_nested_quantifiers_over_processes_are_bounded(load: Any, monkeypatch: p
     assert [d.code for d in caught.value.diagnostics] == ["E0609"]
 
 
-def test_without_a_system_line_properties_are_not_judged() -> None:
+def test_without_a_system_line_properties_are_not_evaluated() -> None:
     text = "process P(int[0, 1] i) { init location s; }\nproperty stays : A[] P(0).s;"
     with pytest.raises(InputError) as caught:
         load_model(Source("model.ta", text))
     assert [found.code for found in caught.value.diagnostics] == ["E0410"]
 
 
-def test_a_process_that_does_not_run_is_refused_with_those_that_do(load: Any) -> None:
+def test_a_process_that_does_not_run_is_rejected_with_those_that_do(load: Any) -> None:
     loaded = load(
         "process T(const int i) { init location a; } process U() { init location b; } T1 = T(1); T2 = T(2);\n"
         "system T1, T2;\nproperty p : E<> T.a;\nproperty q : E<> U.b;\nproperty r : E<> T1.a;"

@@ -31,7 +31,7 @@ def test_formula(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", [code for code in shown("When a formula is refused") if code != "time_unit"])
-def test_refused(text: str) -> None:
+def test_rejected(text: str) -> None:
     written = text.removeprefix("property p : ").removesuffix(";")
     with pytest.raises(InputError):
         load_model(Source("docs.ta", MODEL % written))

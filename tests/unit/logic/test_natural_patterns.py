@@ -75,7 +75,7 @@ def test_answers(text: str, holds: bool) -> None:
 
 
 @pytest.mark.parametrize(("text", "code", "help"), [(text, *said) for text, said in REFUSED.items()])
-def test_refusals_name_the_smallest_change(text: str, code: str, help: str) -> None:
+def test_rejections_name_the_smallest_change(text: str, code: str, help: str) -> None:
     (query,) = tachk.loads(MODEL).verify(text).record.not_checked
     (diagnostic,) = query.diagnostics
     assert diagnostic.code == code

@@ -192,7 +192,7 @@ def test_triggers_that_last(lasting: str, instant: str) -> None:
 
 
 @pytest.mark.parametrize("lasting", LASTS)
-def test_durations_of_stretches(lasting: str) -> None:
+def test_durations_of_segments(lasting: str) -> None:
     text = f"whenever p becomes true, p must stay true for {lasting}."
     random = Random(8)
     answers = set()

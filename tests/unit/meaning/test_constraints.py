@@ -104,7 +104,7 @@ def test_what_the_left_side_decides_is_not_evaluated_on_the_right() -> None:
         disjunctive(((N == 0) & faulty).expression, scratch)
 
 
-def test_a_comparison_of_three_clocks_is_refused() -> None:
+def test_a_comparison_of_three_clocks_is_rejected() -> None:
     network = NetworkBuilder()
     x, y, z = network.clock("x"), network.clock("y"), network.clock("z")
     layout = variable_layout(network.build())

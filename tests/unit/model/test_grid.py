@@ -78,7 +78,7 @@ def test_values_of_python_are_those_of_the_language() -> None:
 @pytest.mark.parametrize(
     "over", [[("A", [1, 2])], {"A": [1.5]}, {"A": []}, {"A": [1, 1]}, 7, "A", {"A": [None]}, {"A": "3..1"}]
 )
-def test_what_says_no_values_is_refused_in_words_of_python(over: object) -> None:
+def test_what_says_no_values_is_rejected_in_words_of_python(over: object) -> None:
     with pytest.raises(UsageError) as caught:
         grid_of_values(over)  # type: ignore[arg-type]
     assert "-D" not in str(caught.value)

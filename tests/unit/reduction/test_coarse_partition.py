@@ -55,12 +55,12 @@ def _loop(words: str) -> str:
     return f"init location L {{ to L {{ {words} }} }}"
 
 
-def test_what_is_used_in_the_same_way_is_not_told_apart() -> None:
+def test_what_is_used_in_the_same_way_is_not_distinguished() -> None:
     assert _repeats(_loop("assign a = 1;"), _loop("assign b = 1;"), "bool a, b;")
     assert _repeats(_loop("assign a[0] = 1;"), _loop("assign a[1] = 1;"), "bool a[2];")
 
 
-def test_what_only_one_of_them_mentions_tells_them_apart() -> None:
+def test_what_only_one_of_them_mentions_distinguishes_them() -> None:
     assert not _repeats(_loop("assign a = 1;"), _loop("assign b = 1;"), "bool a; int b;")
     assert not _repeats(
         _loop("guard a; assign a = 1;"), _loop("assign a = 1;") + " location M { to M { guard a; } }", "bool a;"
@@ -94,7 +94,7 @@ def _of_two(words: str) -> bool:
     return coarse_partition(tachk.loads(text).network).repeats
 
 
-def test_numbers_that_are_more_than_names_tell_them_apart() -> None:
+def test_numbers_that_are_more_than_names_distinguish_them() -> None:
     assert _of_two("guard turn == me; assign turn = 1 - me;")
     assert not _of_two("guard turn > me; assign turn = 1 - me;")
 
@@ -106,7 +106,7 @@ def test_what_a_function_does_with_a_number_counts() -> None:
     assert not coarse_partition(tachk.loads(text).network).repeats
 
 
-def test_updates_in_another_order_tell_nothing() -> None:
+def test_updates_in_another_order_show_nothing() -> None:
     text = (
         "int[0, 9] a, c; bool b, d;\n"
         "process P() { init location L { to L { assign a = 2, b = 1; } } }\n"

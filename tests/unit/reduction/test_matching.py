@@ -57,7 +57,7 @@ def test_edges_and_updates_may_come_in_any_order() -> None:
         ("sync set3?; } to M { guard r1", "} to M { guard r1"),
     ],
 )
-def test_what_tells_one_process_apart_leaves_two_at_most(old: str, new: str) -> None:
+def test_what_distinguishes_one_process_leaves_two_at_most(old: str, new: str) -> None:
     assert REGISTERS.count(old) == 1
     assert all(len(members) < 3 for members in blocks(REGISTERS.replace(old, new)))
 
@@ -90,7 +90,7 @@ def test_updates_keep_their_order_where_it_could_be_noticed(one: str, other: str
     assert bool(blocks(TWO % (one, other))) is similar
 
 
-def test_an_invariant_of_a_clock_that_another_process_resets_tells_them_apart() -> None:
+def test_an_invariant_of_a_clock_that_another_process_resets_distinguishes_them() -> None:
     text = TWO % ("x1 = 0", "x2 = 0")
     one, other = "process P1() { init location A { ", "process P2() { init location A { "
     assert blocks(text.replace(one, one + "invariant x1 <= 2; ").replace(other, other + "invariant x2 <= 2; "))

@@ -59,7 +59,7 @@ def test_unreachable_for_all_is_unreachable(query: str) -> None:
     assert symmetrised(query.replace("E<> ", "A[] !(") + ")")[0] == ["holds"]
 
 
-def test_what_is_reached_is_looked_for_as_it_was_asked() -> None:
+def test_what_is_reached_is_searched_for_as_it_was_asked() -> None:
     model = tachk.loads(TEXT % 0)
     (verdict,) = model.verify("E<> P(3).M")
     assert (verdict.answer.value, verdict.statistics.asked_of_all) == ("holds", False)
@@ -109,7 +109,7 @@ def test_the_initial_state_may_prefer_one_of_them() -> None:
     assert symmetrised("E<> P(2).M && owner == 0", text=FIRST_ONLY)[:2] == (["fails"], [True])
 
 
-def test_what_holds_for_no_reason_is_told_also_where_there_would_be_one_for_others() -> None:
+def test_what_holds_for_no_reason_is_reported_also_where_there_would_be_one_for_others() -> None:
     (verdict,) = tachk.loads(FIRST_ONLY).verify("A[] P(2).M imply owner != 0")
     assert verdict.notes == ("holds only because `P(2).M` is never true",)
     assert symmetrised("A[] P(2).M imply owner != 0")[:2] == (["holds"], [True])

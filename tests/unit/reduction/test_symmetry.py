@@ -69,7 +69,7 @@ def found(edge: str = "", other: str = "", *queries: str, text: str = TEXT) -> t
         "sync all?; assign owner = 0;",
     ],
 )
-def test_numbers_that_are_only_names_do_not_tell_processes_apart(edge: str) -> None:
+def test_numbers_that_are_only_names_do_not_distinguish_processes(edge: str) -> None:
     assert found(edge, "sync all!; assign count = 0;") == ([3], [])
     assert found(edge, "select k : id_t; sync to[k]!;") == ([3], [])
 
@@ -95,7 +95,7 @@ def test_numbers_that_are_only_names_do_not_tell_processes_apart(edge: str) -> N
         ("assign owner = queue[me - 1];", "`<` compares it"),
     ],
 )
-def test_what_tells_processes_apart_is_named(edge: str, reason: str) -> None:
+def test_what_distinguishes_processes_is_named(edge: str, reason: str) -> None:
     groups, reasons = found(edge, "sync all!; assign queue[count] = 0, count = count < 2 ? count + 1 : 0;")
     assert groups == [] or groups == [2]
     assert reason in reasons or "counts with it" in " ".join(reasons)
@@ -171,13 +171,13 @@ def test_a_run_time_error_of_another_one_may_not_depend_on_it_either(order: str,
         assert (verdict.answer.value, verdict.fault is not None) == (answer, answer == "unknown")
 
 
-def test_priorities_of_channels_tell_processes_apart() -> None:
+def test_priorities_of_channels_distinguish_processes() -> None:
     text = TEXT.replace("broadcast chan all;", "broadcast chan all; chan priority to[2] < default;")
     text %= ("sync to[me]?;", "select k : id_t; sync to[k]!;")
     assert found(text=text) == ([2], ["the priorities of the channels `to` distinguish them"])
 
 
-def test_a_deep_check_tells_who_is_interchangeable_and_why_others_are_not() -> None:
+def test_a_deep_check_reports_who_is_interchangeable_and_why_others_are_not() -> None:
     model = tachk.loads(TEXT % ("guard owner == 0; assign owner = me;", "assign queue[count] = 0;"))
     (part,) = (part for part in model.check().parts if part.question == "interchangeable processes")
     assert part.answer == "P(1), P(2), P(3)"
@@ -266,7 +266,7 @@ def test_processes_in_which_different_constants_stand_are_not_tried(monkeypatch:
     assert tried <= 3  # one in vain, then their colours are looked for; two to say why
 
 
-def test_priorities_tell_processes_apart() -> None:
+def test_priorities_distinguish_processes() -> None:
     text = "process P() { init location L { to M { } } location M; }\nA = P();\nB = P();\nC = P();\nsystem A, B < C;"
     assert found(text=text) == ([2], ["they have different priorities"])
 
@@ -351,7 +351,7 @@ def test_what_equal_processes_can_do_is_followed_once() -> None:
         ("to B { guard x > 2 and x < 3; } to A { guard x <= 2 and y > 1; assign x = 0; }", "A[] not deadlock"),
     ],
 )
-def test_equal_processes_are_told_from_others(edges: str, query: str) -> None:
+def test_equal_processes_are_distinguished_from_others(edges: str, query: str) -> None:
     text = f"""
     typedef int[1, 3] id_t; int[0, 3] owner = 0; int[0, 1] n = 0; chan call; clock y;
     process P(const id_t me) {{
@@ -418,7 +418,7 @@ system P, Q, R;
         ("E<> sum (i : one_t) i * P(i).M == 3", [3]),
     ],
 )
-def test_a_query_leaves_those_interchangeable_whom_it_does_not_tell_apart(query: str, groups: list[int]) -> None:
+def test_a_query_leaves_those_interchangeable_whom_it_does_not_distinguish(query: str, groups: list[int]) -> None:
     assert found("", "", query, text=TWO_KINDS)[0] == groups
 
 

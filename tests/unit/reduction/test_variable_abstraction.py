@@ -129,7 +129,7 @@ def test_names_may_be_negative() -> None:
     assert coarser(text, "E<> forall (i : id_t) P(i).R") == ("next",)
 
 
-def test_stations_that_are_told_by_number_are_as_few_as_those_told_in_any_order() -> None:
+def test_stations_that_are_named_by_number_are_as_few_as_those_named_in_any_order() -> None:
     stored = []
     for name in ("csma_cd", "csma_cd_any_order"):
         model = tachk.load(CLASSICS / f"{name}.ta", N=6)
@@ -163,7 +163,7 @@ def test_published_models_are_decided_with_less_known(
     assert (verdict.answer.value, verdict.reason) == ("unknown", "state limit")
 
 
-def test_what_can_be_reached_with_less_known_is_looked_for_in_the_network_itself() -> None:
+def test_what_can_be_reached_with_less_known_is_searched_for_in_the_network_itself() -> None:
     model = tachk.load(CLASSICS / "critical_region.ta", N=6)
     (verdict,) = model.verify(property="can_be_safe", limits=Limits(states=30_000))
     assert verdict.answer.value == "holds" and verdict.trace is not None and verdict.query.target is not None

@@ -19,7 +19,7 @@ def test_text_of_the_model_is_escaped(record: RunRecord) -> None:
     assert "A[] n &lt; 5 &amp;&amp; n &gt;= 0" in html
 
 
-def test_a_run_time_error_is_told(record: RunRecord) -> None:
+def test_a_run_time_error_is_reported(record: RunRecord) -> None:
     html = run_to_html(record)
     assert "error[E0761]: run-time error: a value is outside its declared range</summary>" in html
     assert "<details open>" in html

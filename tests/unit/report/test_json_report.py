@@ -32,14 +32,14 @@ def test_output_follows_the_schema(record: RunRecord) -> None:
     assert output["runs"][3]["errors"][0]["help"] == "give one"
 
 
-def test_what_was_not_looked_at_is_listed(record: RunRecord) -> None:
+def test_what_was_not_inspected_is_listed(record: RunRecord) -> None:
     first, *others = record.verdicts
     named = replace(record, verdicts=(replace(first, unexamined=("Link", "n")), *others))
     assert round_trip(record)["results"][0]["unexamined"] == []
     assert round_trip(named)["results"][0]["unexamined"] == ["Link", "n"]
 
 
-def test_schema_refuses_a_fourth_answer(record: RunRecord) -> None:
+def test_schema_rejects_a_fourth_answer(record: RunRecord) -> None:
     output = round_trip(record)
     output["results"][0]["answer"] = "maybe"
     with pytest.raises(jsonschema.ValidationError):

@@ -16,7 +16,7 @@ def test_counts_and_kinds(record: RunRecord) -> None:
     assert kinds == {"always_off": ["failure"], "can_light": [], "far": ["error"], "bad": ["error"], "q5": ["skipped"]}
 
 
-def test_failure_tells_the_run(record: RunRecord) -> None:
+def test_failure_reports_the_run(record: RunRecord) -> None:
     failure = ElementTree.fromstring(runs_to_junit([record])).find(".//failure")
     assert failure is not None
     assert failure.get("message") == "fails, expected holds"

@@ -58,7 +58,7 @@ def told(record: RunRecord, display: RunDisplay = RunDisplay()) -> str:
     return evidence_text(record.network, record.verdicts[0], display)
 
 
-def test_a_loop_is_told_after_what_leads_to_it() -> None:
+def test_a_loop_is_reported_after_what_leads_to_it() -> None:
     lines = told(checked(WORKS)).splitlines()
     assert re.fullmatch(
         r"repaired is violated by this run of \d+ steps, the last 2 of which repeat for ever:", lines[0]
@@ -73,7 +73,7 @@ def test_a_loop_in_which_no_time_passes_says_so() -> None:
     assert "repeats for ever, and no time passes:" in told(checked("invariant x <= 3; to Busy;"))
 
 
-def test_rounds_that_differ_are_told_once() -> None:
+def test_rounds_that_differ_are_reported_once() -> None:
     record = checked(WORKS)
     (verdict,) = record.verdicts
     assert verdict.trace is not None
@@ -94,12 +94,12 @@ def test_runs_that_end_say_how(busy: str, title: str, last: str) -> None:
     assert lines[-1].strip() == last
 
 
-def test_of_a_long_run_the_loop_is_told() -> None:
+def test_of_a_long_run_the_loop_is_reported() -> None:
     text = told(checked(WORKS), RunDisplay(ends=Ends(0, 1)))
     assert "↻ from here on" in text and "Idle → Busy" in text
 
 
-def test_every_step_tells_the_loop_too() -> None:
+def test_every_step_reports_the_loop_too() -> None:
     text = told(checked(WORKS), RunDisplay(every_step=True, clocks=True))
     assert "↻ from here on" in text and "start in Machine.Off" in text
 
@@ -123,7 +123,7 @@ def test_json_has_the_state_to_which_the_loop_returns() -> None:
     assert (without["ending"], without["loop_start"]) == (None, None)
 
 
-def test_the_page_tells_the_loop() -> None:
+def test_the_page_reports_the_loop() -> None:
     assert "repeats for ever, every 7:" in run_to_html(checked(WORKS))
 
 

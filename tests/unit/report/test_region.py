@@ -92,7 +92,7 @@ def test_a_region_is_drawn(found: Synthesis, tmp_path: Path, ending: str) -> Non
         assert "C = 1" in text
 
 
-def test_what_cannot_be_drawn_is_told(found: Synthesis, tmp_path: Path) -> None:
+def test_what_cannot_be_drawn_is_reported(found: Synthesis, tmp_path: Path) -> None:
     with pytest.raises(UsageError):
         found.plot(tmp_path / "region.gif")
     wide = loads(MODEL).synthesize(over="A=0..1,B=1..2,C=0..12", property="never")

@@ -51,7 +51,7 @@ def test_a_round_begins_by_waiting_where_it_can() -> None:
     assert folded("sdrsdrsdrsdx", {"r": 200}) == "sd3(rsd)x"
 
 
-def test_delays_tell_rounds_apart() -> None:
+def test_delays_distinguish_rounds() -> None:
     run = steps("ababab")
     run[2] = ViewStep(Fraction(1), run[2].event, EMPTY)
     assert all(isinstance(item, Single) for item in fold_rounds(run))

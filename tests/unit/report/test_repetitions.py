@@ -17,7 +17,7 @@ def told(*messages: Message) -> list[str]:
     return [event.text if isinstance(event, Note) else event.label for event in chart.events]
 
 
-def test_rounds_of_two_messages_are_told_once():
+def test_rounds_of_two_messages_are_reported_once():
     rounds = [message(100 * n + more, label) for n in range(1, 9) for more, label in ((0, "HEARTBEAT"), (9, "ACKNACK"))]
     assert told(message(5, "DATA"), *rounds, message(2000, "DATA")) == [
         "DATA",

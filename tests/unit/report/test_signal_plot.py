@@ -120,7 +120,7 @@ def test_long_traces_are_drawn_by_their_extremes() -> None:
 
 
 @pytest.mark.parametrize(("value", "level"), [(1e308, 5), (-1e301, 5)])
-def test_numbers_that_no_axis_holds_are_refused(value: float, level: float, tmp_path: Path) -> None:
+def test_numbers_that_no_axis_holds_are_rejected(value: float, level: float, tmp_path: Path) -> None:
     report = tachk.monitor(f"G (x < {level})", {"t": [0, 1, 2], "x": [0, value, 0]}, unit="s")
     with pytest.raises(UsageError, match="`x` cannot be drawn"):
         report.plot(tmp_path / "a.svg")

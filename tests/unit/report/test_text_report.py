@@ -37,14 +37,14 @@ def test_a_narrow_terminal_gets_words_rather_than_costs(record: RunRecord) -> No
     assert len(headings[48]) < len(headings[60]) < len(everything)
 
 
-def test_only_runs_behind_surprises_are_told(record: RunRecord) -> None:
+def test_only_runs_behind_surprises_are_reported(record: RunRecord) -> None:
     text = printed(record)
     assert "always_off is violated by this run of 2 steps" in text
     assert "can_light is satisfied" not in text
     assert "can_light is satisfied" in printed(record, every_trace=True)
 
 
-def test_a_step_tells_who_did_what_when_and_what_changed(record: RunRecord) -> None:
+def test_a_step_reports_who_did_what_when_and_what_changed(record: RunRecord) -> None:
     text = printed(record)
     assert "25 ms (+25 ms)" in text
     assert "press[1]!  User: idle → done" in text
@@ -60,7 +60,7 @@ def test_clocks_are_printed_on_demand(record: RunRecord) -> None:
     assert "User.x = 5/2" in printed(record, display=RunDisplay(clocks=True))
 
 
-def test_what_was_not_looked_at_is_told_once(record: RunRecord) -> None:
+def test_what_was_not_inspected_is_reported_once(record: RunRecord) -> None:
     assert "not looked for" not in printed(record)
     first, second, *others = record.verdicts
     named = [replace(first, unexamined=("Link", "n")), replace(second, unexamined=("Link", "n")), *others]
@@ -76,7 +76,7 @@ def test_a_run_time_error_shows_the_source_line(record: RunRecord) -> None:
     assert "    2 |   n = n + 1;\n      |   ^^^^^^^^^\nhelp: " in text
 
 
-def test_one_reason_is_told_once(record: RunRecord) -> None:
+def test_one_reason_is_reported_once(record: RunRecord) -> None:
     bad = record.verdicts[3]
     other = replace(bad, query=replace(bad.query, name="worse"))
     text = printed(replace(record, verdicts=(bad, other)))
@@ -107,7 +107,7 @@ def test_a_known_defect_shows_how_its_run_ends(record: RunRecord) -> None:
     assert "steps)" not in whole
 
 
-def test_a_long_run_to_an_error_is_told_shortly(record: RunRecord) -> None:
+def test_a_long_run_to_an_error_is_reported_shortly(record: RunRecord) -> None:
     verdict = record.verdicts[3]
     assert verdict.fault is not None
     long = replace(verdict, fault=replace(verdict.fault, path=verdict.fault.path * 5000))
@@ -116,13 +116,13 @@ def test_a_long_run_to_an_error_is_told_shortly(record: RunRecord) -> None:
     assert len(text.splitlines()) < 60
 
 
-def test_no_run_is_told_where_none_was_asked_for(record: RunRecord) -> None:
+def test_no_run_is_reported_where_none_was_requested(record: RunRecord) -> None:
     text = printed(replace(record, runs=False))
     assert "run-time error" in text
     assert "start in" not in text
 
 
-def test_a_short_run_of_a_known_defect_is_told_whole(record: RunRecord) -> None:
+def test_a_short_run_of_a_known_defect_is_reported_whole(record: RunRecord) -> None:
     verdict = record.verdicts[0]
     known = replace(verdict, query=replace(verdict.query, expectation=Expectation.FAILS))
     text = printed(replace(record, verdicts=(known,), not_checked=()))

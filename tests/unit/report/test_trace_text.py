@@ -76,14 +76,14 @@ def told(view: TraceView, display: RunDisplay = RunDisplay()) -> str:
     return out.getvalue()
 
 
-def test_indices_of_channels_are_told_by_the_names_that_edges_write() -> None:
+def test_indices_of_channels_are_reported_by_the_names_that_edges_write() -> None:
     text = told(run_of(LINK), WHOLE)
     assert "deliver[BEAT]!  Link: Full → Empty" in text
     assert "deliver[BEAT]?  Receiver: Idle → Idle · hears" in text
     assert "[k = 1]" not in text
 
 
-def test_a_hidden_process_is_told_where_it_brings_news_or_acts_alone() -> None:
+def test_a_hidden_process_is_reported_where_it_brings_news_or_acts_alone() -> None:
     text = told(run_of(LINK))
     assert "Link: Full → Empty" not in text
     assert "Link: Empty → Full" not in text
@@ -93,7 +93,7 @@ def test_a_hidden_process_is_told_where_it_brings_news_or_acts_alone() -> None:
     assert "Link.length: 0 → 1" in told(run_of(LINK), WHOLE)
 
 
-def test_repeated_rounds_are_told_once() -> None:
+def test_repeated_rounds_are_reported_once() -> None:
     text = told(run_of(LINK))
     assert "↻ steps 1 to 2 happen 20 times in a row, every 10 ms, to step 40 at 200 ms" in text
     assert "n: 1 → 20" in text
@@ -118,7 +118,7 @@ def test_a_long_run_without_rounds_leaves_out_its_middle() -> None:
     assert "  500  " in told(view, WHOLE)
 
 
-def test_of_a_long_run_to_an_error_both_ends_are_told() -> None:
+def test_of_a_long_run_to_an_error_both_ends_are_reported() -> None:
     model = load_model(Source("model.ta", COUNTING.replace("int[0, 1000] n", "int[0, 300] n")))
     (verdict,) = verify(model.network, model.queries)
     assert verdict.fault is not None

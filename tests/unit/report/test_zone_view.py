@@ -50,13 +50,13 @@ def test_fischer_has_the_known_graph() -> None:
     assert networkx.number_strongly_connected_components(graph) == 10
 
 
-def test_a_limit_is_told() -> None:
+def test_a_limit_is_reported() -> None:
     graph = tachk.load(FISCHER, N=2).zone_graph(limit=7)
     assert len(graph) == 7
     assert graph.graph["reason"] == "state limit"
 
 
-def test_an_error_of_the_model_is_told() -> None:
+def test_an_error_of_the_model_is_reported() -> None:
     text = "int[0,1] n; process P() { init location a { to a { assign n = n + 1; } } } system P;"
     graph = tachk.loads(text).zone_graph()
     assert len(graph) == 2

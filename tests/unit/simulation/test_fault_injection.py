@@ -164,7 +164,7 @@ def test_a_fault_that_is_ordered_now_happens_at_its_first_moment() -> None:
         "melts=0.5",
     ],
 )
-def test_wrong_orders_are_refused(written: str) -> None:
+def test_wrong_orders_are_rejected(written: str) -> None:
     network = tachk.loads(LINK).network
     with pytest.raises(UsageError, match="--fault"):
         with_faults(network, [parse_fault(written)])

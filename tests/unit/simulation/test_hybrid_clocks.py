@@ -200,7 +200,7 @@ def test_a_delay_is_uniform_between_the_crossings_of_guard_and_invariant(tmp_pat
     assert distance < 1.95 / math.sqrt(1000)  # Kolmogorov, 0.999
 
 
-def test_nobody_acts_at_the_end_of_what_was_looked_at(tmp_path: Path) -> None:
+def test_no_process_acts_at_the_end_of_the_sampled_run(tmp_path: Path) -> None:
     (run,) = drawn(LASTING, tmp_path, 25_000)
     assert set(run["P"]) == {"A"}
 
@@ -352,7 +352,7 @@ def test_the_steps_of_a_run_are_its_transitions(tmp_path: Path) -> None:
     assert steps == [["1", "P:", "A", "->", "B"], ["5"]]
 
 
-def test_what_a_model_declares_is_looked_up_once_for_all_queries(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_model_declares_is_found_once_for_all_queries(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = """clock x; int n = 0;
     process P() { init location A { to A { guard x >= 1; assign x = 0, n = n + 1; } } }
     system P;

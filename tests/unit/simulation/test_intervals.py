@@ -44,7 +44,7 @@ def test_runs_that_may_be_hits_widen_the_interval() -> None:
     assert high == clopper_pearson(15, 100)[1]
 
 
-def test_nonsense_is_refused() -> None:
+def test_nonsense_is_rejected() -> None:
     for hits, runs, maybe in ((-1, 10, 0), (11, 10, 0), (5, 10, 6), (0, 0, 0)):
         with pytest.raises(ValueError):
             clopper_pearson(hits, runs, maybe=maybe)

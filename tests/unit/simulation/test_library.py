@@ -62,12 +62,12 @@ def test_a_clock_that_is_set_to_another_one_goes_on_from_there() -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"policy": "fast"}, {"runs": 0}, {"until": "1 parsec"}, {"fault": "lost"}])
-def test_arguments_without_meaning_are_refused(wrong: dict[str, object]) -> None:
+def test_arguments_without_meaning_are_rejected(wrong: dict[str, object]) -> None:
     with pytest.raises(UsageError):
         tachk.simulate(tachk.loads(MODEL), **wrong)  # type: ignore[arg-type]
 
 
-def test_all_runs_are_written_while_they_are_judged(tmp_path: Path) -> None:
+def test_all_runs_are_written_while_they_are_evaluated(tmp_path: Path) -> None:
     model, out = tmp_path / "m.ta", tmp_path / "out.csv"
     model.write_text(MODEL)
     line = ["simulate", str(model), "--runs", "5", "--until", "1 s", "--monitor", "G (count < 9)", "-o", str(out)]

@@ -61,7 +61,7 @@ def test_a_record_does_not_grow_beyond_what_is_left(sizes: list[int]) -> None:
         list(runs.draw(SimulationOptions(until=3_000_000 * TICKS_PER_UNIT), range(1), RecordedChanges(observed=True)))
 
 
-def test_the_time_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_time_is_polled(monkeypatch: pytest.MonkeyPatch) -> None:
     runs = runs_of(tachk.loads(TICKING).network)
     with limited(seconds=1000):
         drawn = runs.draw(SimulationOptions(until=100_000 * TICKS_PER_UNIT), range(1), RecordedChanges(observed=True))

@@ -195,7 +195,7 @@ def test_numbers_of_a_dump_have_all_their_digits(tmp_path: Path) -> None:
     assert {name: trace.columns[name].tolist() for name in values} == {n: v.tolist() for n, v in values.items()}
 
 
-def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
+def test_what_cannot_be_written_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(UsageError), run_writer(tmp_path / "runs.txt"):
         pass
     with run_writer(tmp_path / "runs.vcd") as write:
@@ -216,7 +216,7 @@ def test_rates_and_weights_survive_other_forms_of_the_model() -> None:
 @pytest.mark.parametrize(
     ("name", "help"), [("P.Onn", "did you mean `P.On`?"), ("zzz", "there are: odd, P, count, P.On")]
 )
-def test_a_wrong_column_is_told_of_those_that_there_are(name: str, help: str) -> None:
+def test_a_wrong_column_is_reported_with_those_that_there_are(name: str, help: str) -> None:
     with pytest.raises(UsageError) as told:
         chosen_columns(tachk.loads(MODEL).network, [name])
     assert told.value.help == help

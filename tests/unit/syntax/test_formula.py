@@ -169,7 +169,7 @@ def test_a_part_of_a_text() -> None:
     assert formula.span == Span(source, 7, 10)
 
 
-def test_hopeless_nesting_is_refused() -> None:
+def test_hopeless_nesting_is_rejected() -> None:
     for text in ("(" * 300 + "p" + ")" * 300, "F " * 300 + "p", "F !" * 150 + "p", " U ".join(["p"] * 300)):
         formula, diagnostics = parse_formula(Source("f", text))
         assert formula is None
@@ -210,7 +210,7 @@ def test_short_chains_stay_as_they_are(text: str) -> None:
     assert print_formula(parsed(print_formula(parsed(text)))) == print_formula(parsed(text))
 
 
-def test_long_chains_that_are_nested_are_refused() -> None:
+def test_long_chains_that_are_nested_are_rejected() -> None:
     for text in ("F p imply " * 300 + "q", " xor ".join(["F p"] * 3)):
         assert parse_formula(Source("f", text))[0] is None
 

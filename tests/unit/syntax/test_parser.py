@@ -421,7 +421,7 @@ def test_a_comma_in_a_modern_guard_is_not_taken_silently() -> None:
         "process P() { state A; init A; trans A -> A { sync c!1; }; }",
     ],
 )
-def test_strict_xta_refuses_the_additions(text: str) -> None:
+def test_strict_xta_rejects_the_additions(text: str) -> None:
     assert parser.parse_document(Source("t.ta", text))[1] == ()
     _, diagnostics = parser.parse_document(Source("t.ta", text), strict_xta=True)
     assert [diagnostic.code for diagnostic in diagnostics] == ["E0112"]
@@ -492,7 +492,7 @@ def test_documentation_of_what_has_none_stays_a_comment() -> None:
         "typedef " + "struct { " * 3000,
     ],
 )
-def test_absurd_nesting_is_refused(text: str) -> None:
+def test_absurd_nesting_is_rejected(text: str) -> None:
     _, diagnostics = parser.parse_document(Source("t.ta", text))
     assert "E0111" in {diagnostic.code for diagnostic in diagnostics}
 

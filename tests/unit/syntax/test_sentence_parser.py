@@ -272,7 +272,7 @@ def test_spans_are_those_of_the_text() -> None:
         ),
     ],
 )
-def test_near_misses_are_told_what_was_meant(text: str, code: str, place: str, meant: str) -> None:
+def test_near_misses_are_reported_what_was_meant(text: str, code: str, place: str, meant: str) -> None:
     found = refused(text)[0]
     assert found.code == code
     assert found.span.text == place
@@ -306,7 +306,7 @@ def test_near_misses_are_told_what_was_meant(text: str, code: str, place: str, m
         (".", "E0140", "."),
     ],
 )
-def test_what_has_no_meaning_is_refused_at_its_place(text: str, code: str, place: str) -> None:
+def test_what_has_no_meaning_is_rejected_at_its_place(text: str, code: str, place: str) -> None:
     found = refused(text)[0]
     assert (found.code, found.span.text) == (code, place)
 
@@ -325,7 +325,7 @@ def test_examples_of_explanations(code: str) -> None:
     read(explanation.good)
 
 
-def test_a_long_text_is_refused_in_time() -> None:
+def test_a_long_text_is_rejected_in_time() -> None:
     refused("whenever " + "p and " * 60 + "q must be true and between a and b and must be true")
     assert refused("between and after until " * 100 + ".")[0].code == "E0111"
     refused("between and after until within whenever then " * 25 + ".")

@@ -127,7 +127,7 @@ def test_verdicts_are_those_of_the_whole_network(query: str, tmp_path: Path) -> 
     assert (quick.trace is None) is (whole.trace is None)
 
 
-def test_what_is_reachable_only_without_them_is_looked_for_in_the_whole_network(tmp_path: Path) -> None:
+def test_what_is_reachable_only_without_them_is_searched_for_in_the_whole_network(tmp_path: Path) -> None:
     # Time never passes 3, as Hinders hears nothing.
     model = written(MODEL.replace("n < 3", "n < 0"), tmp_path)
     (verdict,) = model.verify("A[] x < 4")

@@ -131,7 +131,7 @@ def test_a_run_that_is_found_is_one_of_the_whole_network(tmp_path: Path) -> None
     assert verdict.trace is not None
 
 
-def test_errors_that_were_not_looked_for_are_named(tmp_path: Path) -> None:
+def test_errors_that_were_not_searched_for_are_named(tmp_path: Path) -> None:
     model = written(MODEL.replace("(count + 1) % 3", "count + 1"), tmp_path)
     (verdict,) = model.verify(QUERIES[0]).record.verdicts
     assert (verdict.answer, verdict.unexamined) == (Answer.HOLDS, ("n", "Other"))

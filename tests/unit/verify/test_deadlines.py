@@ -104,7 +104,7 @@ def test_the_run_is_one_of_the_model_alone(verdicts: Verdicts) -> None:
     assert verdict.query.text == "P.Off -->[<= 3] P.On"
 
 
-def test_clocks_are_refused(verdicts: Verdicts) -> None:
+def test_clocks_are_rejected(verdicts: Verdicts) -> None:
     clock = verdicts(LAMP + "property q : P.x > 3 -->[<= 3] P.On;")["q"].unsupported
     assert clock is not None and clock.code == "E0720" and clock.span.text == "P.x"
 

@@ -33,7 +33,7 @@ def answer(result: DeepCheck, question: str) -> str:
     return next(part.answer for part in result.parts if part.question == question)
 
 
-def test_a_location_that_no_process_of_the_template_reaches_is_told_once() -> None:
+def test_a_location_that_no_process_of_the_template_reaches_is_reported_once() -> None:
     body = (
         "{ clock x; init location a { invariant x <= 3; to b { guard x > LIMIT; } to a { assign x = 0; } } "
         "location b; }"
@@ -46,12 +46,12 @@ def test_a_location_that_no_process_of_the_template_reaches_is_told_once() -> No
     assert answer(somebody, "locations never reached") == "none, and 1 only in some processes of a template"
 
 
-def test_an_edge_is_told_with_its_guard_where_that_is_the_reason() -> None:
+def test_an_edge_is_reported_with_its_guard_where_that_is_the_reason() -> None:
     text = "int n;\nprocess P() { init location a { to a { guard n > 3; } to a { assign n = 1 - n; } } }\nsystem P;"
     assert found(text) == [("W0603", "n > 3")]
 
 
-def test_an_edge_without_a_partner_is_told() -> None:
+def test_an_edge_without_a_partner_is_reported() -> None:
     text = """chan c;
     process P() { init location a { to a { sync c!; } } }
     process Q() { init location a; location b { to b { sync c?; } } }
@@ -59,7 +59,7 @@ def test_an_edge_without_a_partner_is_told() -> None:
     assert [code for code, _ in found(text)] == ["W0606", "W0602"]
 
 
-def test_what_constants_switch_off_is_not_told() -> None:
+def test_what_constants_switch_off_is_not_reported() -> None:
     text = "const bool ON = false;\nprocess P() { init location a { to a { guard ON; } to a; } }\nsystem P;"
     assert found(text) == []
 
@@ -89,7 +89,7 @@ def ends(result: DeepCheck) -> tuple[str, str]:
         ("location b { invariant x <= 3; to a { guard x >= 2; assign x = 0; } }", ("none", "none")),
     ],
 )
-def test_a_time_lock_is_told_from_a_deadlock(location: str, expected: tuple[str, str]) -> None:
+def test_a_time_lock_is_distinguished_from_a_deadlock(location: str, expected: tuple[str, str]) -> None:
     start = "clock x, y; init location a { invariant x <= 1; to b; }"
     result = check(f"int n;\nprocess P() {{ {start} {location} }}\nsystem P;")
     assert ends(result) == expected
@@ -140,7 +140,7 @@ def test_an_urgent_channel_stops_time_where_an_invariant_forbids_its_edges() -> 
     assert "sync go!" in evidence.finding.span.text
 
 
-def test_a_limit_that_is_hit_is_told_and_nothing_is_claimed() -> None:
+def test_a_limit_that_is_hit_is_reported_and_nothing_is_claimed() -> None:
     text = "int[0,9999] n;\nprocess P() { init location a { to a { guard n < 9999; assign n++; } } location b; }\n"
     result = check(text + "system P;", states=100)
     assert result.reason == "state limit"

@@ -43,7 +43,7 @@ def test_the_example_of_a_code_meets_the_error_and_the_mended_one_does_not(code:
     assert first(explanation.good).fault is None
 
 
-def test_a_loop_that_does_not_end_is_told_at_its_edge() -> None:
+def test_a_loop_that_does_not_end_is_reported_at_its_edge() -> None:
     text = """int[0,1] n = 1;
 int[0,3] m;
 void wait() { while (n > 0) { } }
@@ -69,7 +69,7 @@ def test_a_run_time_error_is_rendered_like_a_mistake() -> None:
     ]
 
 
-def test_an_error_is_told_without_its_times_where_there_is_no_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_is_reported_without_its_times_where_there_is_no_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
     text = """int[0,1] n = 0;
 process P() { clock x; init location A { to B { guard x >= 3; } } location B { to B { assign n = n + 1; } } }
 system P;

@@ -72,7 +72,7 @@ def test_a_query_that_speaks_of_nothing_explores_everything(query: str) -> None:
         assert verdict.fault.kind is RuntimeErrorKind.RANGE
 
 
-def test_what_was_not_looked_at_is_named() -> None:
+def test_what_was_not_inspected_is_named() -> None:
     holds, fails, shown = answers(OVERRUN, "A[] Main.A || Main.B", "E<> Main.A && Main.B", "E<> Main.B")
     assert (holds.answer, holds.unexamined) == (Answer.HOLDS, ("Runs",))
     assert (fails.answer, fails.unexamined) == (Answer.FAILS, ("Runs",))
@@ -81,7 +81,7 @@ def test_what_was_not_looked_at_is_named() -> None:
     assert not_shown.unexamined == ("Runs",)
 
 
-def test_what_cannot_fail_or_was_looked_at_is_not_named() -> None:
+def test_what_cannot_fail_or_was_inspected_is_not_named() -> None:
     guarded = OVERRUN.replace("x >= 1;", "x >= 1 && n < 3;")
     assert [v.unexamined for v in answers(guarded, "A[] Main.A || Main.B")] == [()]
     hindered = OVERRUN.replace("x >= 1;", "x >= 1 && n + 1 < 4;")  # nothing plain, but a search shows it

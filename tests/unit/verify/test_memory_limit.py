@@ -44,7 +44,7 @@ def sizes(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return told
 
 
-def test_the_limit_is_looked_at_where_the_time_is(sizes: list[int]) -> None:
+def test_the_limit_is_polled_with_the_time(sizes: list[int]) -> None:
     with limited(memory=1000 * MEGABYTE):
         check_job()
         sizes[:] = [1200 * MEGABYTE]

@@ -107,7 +107,7 @@ def test_an_observer_costs_deadlock_nothing(verdicts: Verdicts) -> None:
     assert found["t"].answer is Answer.HOLDS
 
 
-def test_priorities_refuse_temporal_properties_only(verdicts: Verdicts) -> None:
+def test_priorities_reject_temporal_properties_only(verdicts: Verdicts) -> None:
     model = """
     chan a, b;
     chan priority a < default < b;
@@ -136,7 +136,7 @@ def test_what_cannot_be_checked_is_listed_with_its_place(formula: str, code: str
     assert (found.code, found.span.text) == (code, place)
 
 
-def test_a_run_time_error_in_a_condition_is_told_without_the_observer(verdicts: Verdicts) -> None:
+def test_a_run_time_error_in_a_condition_is_reported_without_the_observer(verdicts: Verdicts) -> None:
     model = """
     int n = 0;
     int a[2] = { 0, 0 };

@@ -182,7 +182,7 @@ def test_what_is_there_for_no_time_counts_as_for_the_query_and_is_noted() -> Non
     assert formula.notes == (FLEETING,)
 
 
-def test_what_lasts_for_ever_from_later_on_is_looked_for(answers: Answers) -> None:
+def test_what_lasts_for_ever_from_later_on_is_searched_for(answers: Answers) -> None:
     text = """
     process P() {
         clock x;

@@ -96,7 +96,7 @@ def test_what_a_search_raises_is_raised_with_its_place() -> None:
     assert "in answer" in "".join(raised.value.__notes__)
 
 
-def test_an_error_that_no_pipe_takes_is_told_all_the_same() -> None:
+def test_an_error_that_no_pipe_takes_is_reported_all_the_same() -> None:
     class OwnError(Exception):
         pass
 
@@ -125,7 +125,7 @@ def test_ctrl_c_ends_what_runs_and_begins_nothing() -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_program_in_the_background_does_not_hear_of_ctrl_c() -> None:
+def test_a_program_in_the_background_does_not_get_ctrl_c() -> None:
     def answer(search: Search, limits: Limits) -> dict[int, Verdict]:
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getppid(), signal.SIGINT)

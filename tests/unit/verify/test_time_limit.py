@@ -201,7 +201,7 @@ property wrong : A[] 1 / (2 - n) >= 0;
 
 
 @pytest.mark.parametrize("name", [query.name for query in load_model(Source("m.ta", MANY)).queries])
-def test_what_the_search_decides_at_the_last_moment_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_the_search_decides_at_the_last_moment_is_reported(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The time is over as soon as the first search of the engine has ended."""
     model = load_model(Source("m.ta", MANY))
     (query,) = (query for query in model.queries if query.name == name)

@@ -51,7 +51,7 @@ def test_the_fastest_run_may_have_more_steps_than_the_shortest(verdicts: Verdict
     assert fastest.notes == ("no run takes less than 20",)
 
 
-def test_a_least_time_that_no_run_takes_is_told(verdicts: Verdicts) -> None:
+def test_a_least_time_that_no_run_takes_is_reported(verdicts: Verdicts) -> None:
     found = verdicts(ROUTES.replace("LEAVES", ">"), options=FASTEST)["arrives"]
     assert 20 < end_of(found) < 21
     assert found.notes == ("runs take as little more than 20 as one likes, and none takes 20",)

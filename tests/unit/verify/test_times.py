@@ -92,13 +92,13 @@ def test_from_the_first_or_the_last_occurrence() -> None:
     assert measured(model.time("P.B", "P.C", last=True))[:2] == [(2, False), (2, False)]
 
 
-def test_only_what_is_asked_for_is_measured() -> None:
+def test_only_what_is_requested_is_measured() -> None:
     model = tachk.loads(DOOR)
     assert measured(model.time("V.Waiting", "inside", best=False)) == [None, (6, False), (6, False)]
     assert measured(model.time("V.Waiting", "inside", worst=False)) == [(2, True), None, None]
 
 
-def test_no_deadline_and_growth_are_told_apart() -> None:
+def test_no_deadline_and_growth_are_distinguished() -> None:
     text = """
     process P() {
         clock x;
@@ -204,13 +204,13 @@ def test_a_limit_leaves_times_unknown() -> None:
 @pytest.mark.parametrize(
     ("event", "code"), [("V.x > 3", "E0731"), ("deadlock", "E0501"), ("nothing", "E0201"), ("n!", "E0301"), ("n +", "")]
 )
-def test_what_is_no_event_is_refused(event: str, code: str) -> None:
+def test_what_is_no_event_is_rejected(event: str, code: str) -> None:
     with pytest.raises(InputError) as caught:
         tachk.loads(DOOR).time(None, event)
     assert caught.value.diagnostics[0].code.startswith(code or "E01")
 
 
-def test_a_channel_that_an_edge_computes_is_refused() -> None:
+def test_a_channel_that_an_edge_computes_is_rejected() -> None:
     text = """
     broadcast chan a, b; int[0,1] n;
     process P() { init location A { to A { sync (n == 0 ? a : b)!; } } }

@@ -145,7 +145,7 @@ def test_a_property_that_fails_has_no_note_although_the_search_goes_through_ever
     assert holds.answer.value == "holds"
 
 
-def test_notes_are_told_in_every_form() -> None:
+def test_notes_are_reported_in_every_form() -> None:
     report = tachk.loads(MODEL).verify("A[] P.never imply b")
     note = NEVER.format("P.never")
     assert f"q1: {note}" in str(report)

@@ -99,7 +99,7 @@ def test_only_violated_initial_invariants_are_named(verdicts: Verdicts) -> None:
     assert "Broken.c" in caught.value.diagnostics[0].message
 
 
-def test_an_update_that_goes_wrong_is_told_with_its_values_and_run(verdicts: Verdicts) -> None:
+def test_an_update_that_goes_wrong_is_reported_with_its_values_and_run(verdicts: Verdicts) -> None:
     found = verdicts(
         "int[0,2] n;\n"
         "process P() { clock x; init location a { to a { guard x >= 4; assign n = n + 1, x = 0; } } }\n"

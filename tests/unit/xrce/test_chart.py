@@ -75,7 +75,7 @@ def test_what_cannot_be_drawn(tmp_path: Path):
         assert (result.exit_code, words in result.stderr) == (2, True), result.stderr
 
 
-def test_numbers_in_a_row_are_told_together():
+def test_numbers_in_a_row_are_reported_together():
     assert ranges([4, 6, 7, 8, 9]) == "4, 6..9"
 
 

@@ -170,7 +170,7 @@ def test_times_are_not_rounded():
         list(live(Line([], 0.0)).blocks(["behind"], 6))
 
 
-def test_what_is_no_capture_is_refused():
+def test_what_is_no_capture_is_rejected():
     with pytest.raises(UsageError, match="neither a pcap nor"):
         list(live(Line([(0.0, b"time,x\n0,1\n")], 0.0)).blocks(["behind"], 9))
 

@@ -126,7 +126,7 @@ def test_a_client_up_to_2_0_is_known_by_two_heartbeats(tmp_path: Path):
     assert "PAUSES" not in settings
 
 
-def test_a_line_that_was_recorded_twice_is_told(tmp_path: Path):
+def test_a_line_that_was_recorded_twice_is_reported(tmp_path: Path):
     once = [(20 * n, up(write(n))) for n in range(20)]
     assert not direct(tmp_path, *once).problems
     twice = sorted([*once, *((time + 1, packet) for time, packet in once)], key=lambda pair: pair[0])

@@ -64,7 +64,7 @@ def test_delays_are_not_taken_for_periods():
     assert found.quantity("dead_time").confidence is Confidence.NOT_ENOUGH
 
 
-def test_one_vote_each_tells_no_law():
+def test_one_vote_each_shows_no_law():
     assert own("second_read").quantity("client_heartbeat_law").confidence is Confidence.NOT_ENOUGH
 
 

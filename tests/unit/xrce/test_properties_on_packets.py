@@ -272,7 +272,7 @@ def test_reports_name_packets(tmp_path: Path):
     assert report["results"][0]["violations"]["listed"][0]["packet"] == 4
 
 
-def test_robustness_in_time_is_told_in_milliseconds() -> None:
+def test_robustness_in_time_is_reported_in_milliseconds() -> None:
     """How late a repair may come: seconds in the report for programs, milliseconds for people."""
     capture = str(ROOT / "tests/data/captures/stale_acknack.pcap")
     asked = ["monitor", str(QUERIES), capture, "--property", "TMRK", "--time-robustness"]

@@ -20,7 +20,7 @@ CAPTURES = Path(__file__).parents[2] / "data/captures/later"
         ("client_2_0", None),
     ],
 )
-def test_acknacks_tell_the_window(name: str, slots: int | None) -> None:
+def test_acknacks_show_the_window(name: str, slots: int | None) -> None:
     assert tachk.measure(CAPTURES / f"{name}.pcap").recorded_definitions().get("INPUT_HISTORY") == slots
 
 
@@ -30,7 +30,7 @@ def test_packets_that_a_client_does_not_read() -> None:
     assert "SLEEPS" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()
 
 
-def test_heartbeats_tell_of_a_delay_of_the_thread() -> None:
+def test_heartbeats_show_a_delay_of_the_thread() -> None:
     """Between two HEARTBEATs of the Agent are three rounds and 48 ms."""
     assert tachk.measure(CAPTURES / "input_window.pcap").recorded_definitions()["AGENT_DELAY"] == 49
     assert "AGENT_DELAY" not in tachk.measure(CAPTURES / "two_publishers_losses.pcap").recorded_definitions()

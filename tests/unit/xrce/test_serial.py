@@ -123,7 +123,7 @@ def test_monitor_sees_that_a_capture_is_of_a_serial_line():
         assert trace.packet(trace.end) is not None
 
 
-def test_other_captures_without_an_agent_are_still_refused(tmp_path: Path):
+def test_other_captures_without_an_agent_are_still_rejected(tmp_path: Path):
     capture = tmp_path / "other.pcap"
     capture.write_bytes(pcap([b"no frame at all"], link=147))
     with pytest.raises(UsageError, match="no packet to or from port 8888"):

@@ -109,7 +109,7 @@ def test_what_was_damaged_did_not_arrive() -> None:
         assert found.accepted is False
 
 
-def test_two_damaged_bytes_are_told(tmp_path: Path) -> None:
+def test_two_damaged_bytes_are_reported(tmp_path: Path) -> None:
     octets = bytearray(LINE.read_bytes())
     place = octets.index(b"Numbers__dw")
     octets[place], octets[place + 5] = 1, 2

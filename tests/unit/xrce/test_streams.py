@@ -56,7 +56,7 @@ def test_what_is_sent_acknowledged_and_missing():
     ]
 
 
-def test_a_heartbeat_tells_of_messages_that_the_capture_has_not_seen():
+def test_a_heartbeat_shows_messages_that_the_capture_has_not_seen():
     assert told(write(0), heartbeat(0, 3), heartbeat(4, 3)) == [
         (1, 0, 1, 0, 0, 0),
         (4, 0, 4, 0, 1, 0),

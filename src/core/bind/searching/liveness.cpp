@@ -67,16 +67,16 @@ void bind_liveness(nb::module_& m) {
   nb::class_<LivenessSearch>(m, "LivenessSearch")
       .def(nb::new_(&make_search), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<LivenessSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
-           nb::arg("look") = nb::none(),
+           nb::arg("poll") = nb::none(),
            "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<LivenessSearch>, "(explored, stored, transitions, bytes)")
       .def("cover", &LivenessSearch::cover, nb::rv_policy::reference_internal,
            "Of a finished search without a violation: the states that have been gone through, in their order.")
       .def("violation", &violation_of<LivenessSearch>,
            "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
-      .def("begins", &LivenessSearch::begins, "Whether the left side of p --> q holds in some state so far.")
+      .def("begins", &LivenessSearch::begins, "True if the left side of p --> q holds in some state so far.")
       .def("gets_stuck", &LivenessSearch::gets_stuck, nb::arg("actions"), nb::arg("begins"),
-           "Whether these actions, as edge numbers, can end where nothing is possible; for a fresh search without "
+           "True if these actions, as edge numbers, can end where nothing is possible; for a fresh search without "
            "extrapolation.")
       .def("fault", &fault_of<LivenessSearch>,
            "(kind, code position, path, edges of the action) of a run-time error, or None.");
@@ -84,12 +84,12 @@ void bind_liveness(nb::module_& m) {
       .def(nb::new_(&make_recurrence_search), nb::arg("image"), nb::arg("begins"), nb::arg("options"),
            nb::arg("limits"))
       .def("run", &run_patiently<RecurrenceSearch>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
-           nb::arg("look") = nb::none(),
+           nb::arg("poll") = nb::none(),
            "Takes up to this many steps of the search; TIME_LIMIT if it was given up in the midst of one.")
       .def("statistics", &statistics_of<RecurrenceSearch>, "(explored, stored, transitions, bytes)")
       .def("violation", &violation_of<RecurrenceSearch>,
            "(kind, stem, begins, loop) of a run that was found, as edge numbers, or None.")
-      .def("begins", &RecurrenceSearch::begins, "Whether runs can begin in some state so far.")
+      .def("begins", &RecurrenceSearch::begins, "True if runs can begin in some state so far.")
       .def("fault", &fault_of<RecurrenceSearch>,
            "(kind, code position, path, edges of the action) of a run-time error, or None.");
 }

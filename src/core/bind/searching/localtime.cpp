@@ -41,7 +41,7 @@ void bind_localtime(nb::module_& m) {
   nb::class_<LocalExplorer>(m, "LocalExplorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<LocalExplorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
-           nb::arg("look") = nb::none(),
+           nb::arg("poll") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
       .def(
           "statistics",
@@ -51,7 +51,7 @@ void bind_localtime(nb::module_& m) {
           },
           "(explored, stored, transitions, bytes)")
       .def("discrete_states", &LocalExplorer::discrete_states, "How many discrete states have been seen.")
-      .def("exchanges", &LocalExplorer::exchanges, "Whether interchangeable processes are exchanged, if there are any.")
+      .def("permutes", &LocalExplorer::permutes, "True if interchangeable processes are permuted.")
       .def("path_to_goal", &LocalExplorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action of a run to a goal, in the order of time; None if it was not reached.");
 }

@@ -12,11 +12,11 @@
 
 namespace tachk::bind {
 
-// Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception; what `look`,
+// Runs a search without the lock of Python, for at most so many seconds. Ctrl-C becomes its exception; what `poll`,
 // which is called a few times a second, raises ends the search, too.
 template <class Search>
 reachability::Status run_patiently(Search& search, std::uint64_t expansions, std::optional<double> seconds,
-                                   const nanobind::object& look) {
+                                   const nanobind::object& poll) {
   using Clock = zones::Patience::Clock;
   std::optional<Clock::time_point> end;
   constexpr double most = 1e8;  // what a clock can count without overflow is more
@@ -27,8 +27,8 @@ reachability::Status run_patiently(Search& search, std::uint64_t expansions, std
     const zones::Patience patience(end, [&] {
       const nanobind::gil_scoped_acquire acquired;
       if (PyErr_CheckSignals() != 0) return false;
-      if (look.is_none()) return true;
-      PyObject* const seen = PyObject_CallNoArgs(look.ptr());
+      if (poll.is_none()) return true;
+      PyObject* const seen = PyObject_CallNoArgs(poll.ptr());
       Py_XDECREF(seen);
       return seen != nullptr;
     });

@@ -18,14 +18,14 @@ inline constexpr double between_signals = 0.02;
 
 // Does the work without the lock of Python. Ctrl-C becomes its exception; what `check` raises, which is called with a
 // number of bytes that are about to be taken, is raised too.
-template <class Order, class Work>
-void interruptibly(Order& order, const nanobind::callable& check, const Work& work) {
+template <class Request, class Work>
+void interruptibly(Request& request, const nanobind::callable& check, const Work& work) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begun = Clock::now();
   std::atomic<double> next = 0;
   std::atomic<bool> ended = false;
   std::exception_ptr reason;  // touched only with the lock of Python
-  order.look = [&](std::size_t bytes) {
+  request.poll = [&](std::size_t bytes) {
     if (ended) throw simulation::Stopped();
     const double now = std::chrono::duration<double>(Clock::now() - begun).count();
     if (bytes == 0 && now < next) return;

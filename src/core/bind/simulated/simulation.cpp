@@ -26,7 +26,7 @@ using simulation::Simulation;
 
 namespace {
 
-// The vector itself, for as long as somebody has the record.
+// The vector itself, for as long as the record is referenced.
 template <auto Field>
 nb::object shown(nb::handle record) {
   auto& values = nb::cast<RunRecord&>(record).*Field;
@@ -35,10 +35,10 @@ nb::object shown(nb::handle record) {
 }
 
 // The runs. Ctrl-C becomes its exception, and what `check` raises is raised.
-std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::Order order,
+std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulation::RunRequest request,
                                          const nb::callable& check) {
   std::vector<RunRecord> records;
-  interruptibly(order, check, [&] { records = simulation.run(order); });
+  interruptibly(request, check, [&] { records = simulation.run(request); });
   return records;
 }
 
@@ -46,7 +46,7 @@ void bind_run_record(nb::module_& m) {
   nb::class_<RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
       .def_ro("ending", &RunRecord::ending)
       .def_ro("end", &RunRecord::end)
-      .def_ro("lasts", &RunRecord::lasts, "Whether time can pass in the last state.")
+      .def_ro("lasts", &RunRecord::lasts, "True if time can pass in the last state.")
       .def_ro("transitions", &RunRecord::transitions)
       .def_prop_ro(
           "fault", [](const RunRecord& self) { return std::make_tuple(self.fault, self.position); },
@@ -55,7 +55,7 @@ void bind_run_record(nb::module_& m) {
       .def("sizes", shown<&RunRecord::sizes>, "How many edges each action has; the initial one none.")
       .def("edges", shown<&RunRecord::edges>, "The numbers of these edges, one action after the other.")
       .def("observed", shown<&RunRecord::observed>,
-           "What was observed, row by row; floating point numbers as their bits.")
+           "The observed values, row by row; floating point numbers as their bits.")
       .def("clocks", shown<&RunRecord::clocks>, "The values of the clocks, row by row.");
 }
 

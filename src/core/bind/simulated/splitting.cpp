@@ -39,10 +39,10 @@ void bind_splitting(nb::module_& m) {
       [](const simulation::Simulation& simulation, const Distances& levels, const simulation::RunQuestion& question,
          std::uint64_t seed, std::uint64_t first, std::uint64_t replications, std::uint64_t effort, unsigned threads,
          std::uint64_t most_steps, const nb::callable& check) {
-        simulation::SplittingOrder order{seed, first, replications, effort, threads, most_steps, {}};
+        simulation::SplittingRequest request{seed, first, replications, effort, threads, most_steps, {}};
         std::vector<std::tuple<double, std::uint64_t, std::uint64_t>> result;
-        interruptibly(order, check, [&] {
-          for (const simulation::Replication& each : simulation::split(simulation, levels.levels, question, order))
+        interruptibly(request, check, [&] {
+          for (const simulation::Replication& each : simulation::split(simulation, levels.levels, question, request))
             result.emplace_back(each.probability, each.transitions, each.unknown);
         });
         return result;

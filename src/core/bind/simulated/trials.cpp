@@ -34,10 +34,10 @@ struct Trials {
   }
 };
 
-Trials ask(const simulation::Simulation& simulation, const RunQuestion& question, simulation::TrialOrder order,
-           const nb::callable& check) {
+Trials run_trials(const simulation::Simulation& simulation, const RunQuestion& question,
+                  simulation::TrialRequest request, const nb::callable& check) {
   Trials result;
-  interruptibly(order, check, [&] { result.trials = simulation::trials(simulation, question, order); });
+  interruptibly(request, check, [&] { result.trials = simulation::trials(simulation, question, request); });
   return result;
 }
 
@@ -109,7 +109,7 @@ void bind_trials(nb::module_& m) {
       [](const simulation::Simulation& simulation, const RunQuestion& question, simulation::Policy policy,
          std::uint64_t seed, std::uint64_t first, std::uint64_t runs, unsigned threads, std::uint64_t most_steps,
          const nb::callable& check) {
-        return ask(simulation, question, {seed, first, runs, threads, policy, most_steps, {}}, check);
+        return run_trials(simulation, question, {seed, first, runs, threads, policy, most_steps, {}}, check);
       },
       nb::arg("simulation"), nb::arg("question"), nb::kw_only(), nb::arg("policy"), nb::arg("seed"), nb::arg("first"),
       nb::arg("runs"), nb::arg("threads"), nb::arg("most_steps"), nb::arg("check"),

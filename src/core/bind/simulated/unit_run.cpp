@@ -31,7 +31,7 @@ void bind_unit_run(nb::module_& m) {
             self.set_number(place, static_cast<fmi::Type>(type), value);
           },
           nb::arg("place"), nb::arg("type"), nb::arg("value"), "Sets a parameter or an input.")
-      .def("ticks", &UnitRun::ticks, nb::arg("place"), "Whether the last transition used a channel.")
+      .def("ticks", &UnitRun::ticks, nb::arg("place"), "True if the last transition used a channel.")
       .def("set_ticks", &UnitRun::set_ticks, nb::arg("place"), "The environment sends over a channel.")
       .def("begin", &UnitRun::begin, "Begins the run.")
       .def_prop_ro("now", &UnitRun::now)

@@ -1,4 +1,4 @@
-// The functions of FMI 2.0 that a unit for co-simulation has. `fmi2_refused.cpp` has those that it does not.
+// The functions of FMI 2.0 that a unit for co-simulation has. `fmi2_unsupported.cpp` has those that it does not.
 #include <cctype>
 #include <cstring>
 #include <memory>
@@ -22,7 +22,7 @@ using tachk::fmi::Mode;
 using tachk::fmi::Snapshot;
 using tachk::fmi::Type;
 
-// What a unit of this version knows beside.
+// The additional data of a unit of this version.
 struct Unit : Instance {
   using Instance::Instance;
   double start = 0;

@@ -1,4 +1,4 @@
-// The functions of FMI 3.0 that a unit for co-simulation has. `fmi3_refused.cpp` has those that it does not.
+// The functions of FMI 3.0 that a unit for co-simulation has. `fmi3_unsupported.cpp` has those that it does not.
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -23,7 +23,7 @@ using tachk::fmi::Snapshot;
 using tachk::fmi::Type;
 using tachk::fmi::UnitRun;
 
-// What a unit of this version knows beside.
+// The additional data of a unit of this version.
 struct Unit : Instance {
   using Instance::Instance;
   bool event_mode = false;

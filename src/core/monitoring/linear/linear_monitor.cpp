@@ -263,7 +263,7 @@ LinearSignal LinearMonitor::atom(const MonitorAtom& what) const {
   }
 }
 
-// What is continuous does not change; only flags and combinations of them jump.
+// Continuous signals do not change; only flags and combinations of them jump.
 LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) const {
   const MonitorAtom& what = program_.atoms[number];
   LinearSignal result{{0, no, no, no}};
@@ -289,7 +289,7 @@ LinearSignal LinearMonitor::changes(std::size_t number, double yes, double no) c
   return result;
 }
 
-// What an evaluator of blocks makes of all samples.
+// The values that an evaluator of blocks computes from all samples.
 template <class Value, class Evaluate>
 std::vector<Value> LinearMonitor::sampled(Evaluate evaluate) const {
   std::vector<Column> view;
@@ -532,15 +532,15 @@ void LinearMonitor::fill(const StreamNode& leaf, Stream<Truth>& out) const {
 
 LinearMonitor::Judgement LinearMonitor::truth() const {
   offline::OfflineMonitor<Truth> monitor(refined(), {true, {}}, offline::Leaves::single);
-  monitor.judge(cell_of_tick(length() * refinement_),
-                [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
+  monitor.evaluate(cell_of_tick(length() * refinement_),
+                   [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return {monitor.verdict(), monitor.lasting(), monitor.violation()};
 }
 
 offline::Signal<Truth> LinearMonitor::truth_signal(std::size_t node) const {
   offline::OfflineMonitor<Truth> monitor(refined(), {false, {node}}, offline::Leaves::single);
-  monitor.judge(cell_of_tick(length() * refinement_),
-                [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
+  monitor.evaluate(cell_of_tick(length() * refinement_),
+                   [&](const StreamNode& leaf, Stream<Truth>& out) { fill(leaf, out); });
   return monitor.signal(0);
 }
 

@@ -14,7 +14,7 @@
 
 namespace tachk::monitoring::linear {
 
-// What atoms are worth.
+// The robustness of atoms.
 // space: the distance of the two sides, where columns of numbers are linear between samples (of samples with the same
 //   tick the last one counts) and keep the last value up to the end of the trace. Columns of flags do not move.
 // ahead, behind: for how long, from now on or until now, an atom has had the truth that it has, negative if it is

@@ -12,8 +12,8 @@
 
 namespace tachk::monitoring::offline {
 
-// What makes a stream. All of them are monotone: negation is pushed down to the leaves. "Join" is `or` and maximum,
-// "meet" is `and` and minimum; dual operators exchange the two, and false with true.
+// The operators that make streams. All of them are monotone: negation is pushed down to the leaves. "Join" is `or` and
+// maximum, "meet" is `and` and minimum; dual operators exchange the two, and false with true.
 enum class StreamKind {
   constant,   // bottom
   pointwise,  // a combination of atoms, sample by sample
@@ -42,7 +42,7 @@ struct StreamNode {
   std::vector<std::size_t> parts = {};
 };
 
-// What one leaf may be: any combination of atoms, or an atom only.
+// The content of one leaf: any combination of atoms, or an atom only.
 enum class Leaves { combined, single };
 
 // The streams that a program needs. Operands come before operators.
@@ -53,7 +53,7 @@ class StreamGraph {
   const std::vector<StreamNode>& streams() const { return streams_; }
   // The stream of a node of the program, or of its negation.
   std::size_t stream_of(std::size_t node, bool negated);
-  // Whether a node combines atoms sample by sample.
+  // True if a node combines atoms sample by sample.
   bool is_pointwise(std::size_t node) const { return pointwise_[node]; }
 
  private:

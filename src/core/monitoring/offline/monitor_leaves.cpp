@@ -65,10 +65,10 @@ template <class Value>
 const Value* PointwiseEvaluator<Value>::evaluate(const StreamNode& leaf, const Samples& samples, std::size_t first,
                                                  std::size_t count) {
   if (any_shared_) {
-    kept_.clear();
+    shared_blocks_.clear();
     for (const std::size_t shared : shared_below(leaf)) {
       node(shared, false, 0, samples, first, count);
-      kept_[shared].assign(blocks_[0].begin(), blocks_[0].begin() + static_cast<std::ptrdiff_t>(count));
+      shared_blocks_[shared].assign(blocks_[0].begin(), blocks_[0].begin() + static_cast<std::ptrdiff_t>(count));
     }
   }
   if (leaf.parts.empty()) {
@@ -87,9 +87,9 @@ void PointwiseEvaluator<Value>::node(std::size_t number, bool negated, std::size
   const MonitorNode& what = program_->nodes[number];
   Value* out = blocks_[depth].data();
   if (any_shared_ && shared_[number]) {
-    const auto kept = kept_.find(number);
-    if (kept != kept_.end()) {
-      std::transform(kept->second.begin(), kept->second.end(), out,
+    const auto found = shared_blocks_.find(number);
+    if (found != shared_blocks_.end()) {
+      std::transform(found->second.begin(), found->second.end(), out,
                      [&](Value value) { return negated ? opposite(value) : value; });
       return;
     }
@@ -137,11 +137,11 @@ void PointwiseEvaluator<Value>::junction(const std::vector<std::size_t>& operand
 template <class Value>
 Value PointwiseEvaluator<Value>::with_all(const StreamNode& leaf, Value value) {
   if (any_shared_) {
-    kept_with_all_.clear();
+    shared_constants_.clear();
     for (const std::size_t shared : shared_below(leaf)) {
       for (const bool negated : {false, true}) {
         const Value worth = node_with_all(shared, negated, value);
-        kept_with_all_[{shared, negated}] = worth;
+        shared_constants_[{shared, negated}] = worth;
       }
     }
   }
@@ -154,8 +154,8 @@ template <class Value>
 Value PointwiseEvaluator<Value>::node_with_all(std::size_t number, bool negated, Value value) {
   const MonitorNode& what = program_->nodes[number];
   if (any_shared_ && shared_[number]) {
-    const auto kept = kept_with_all_.find({number, negated});
-    if (kept != kept_with_all_.end()) return kept->second;
+    const auto found = shared_constants_.find({number, negated});
+    if (found != shared_constants_.end()) return found->second;
   }
   switch (what.kind) {
     case NodeKind::always_false:

@@ -13,7 +13,7 @@
 
 namespace tachk::monitoring::offline {
 
-// What a combination of atoms is worth at each sample of a block.
+// The value of a combination of atoms at each sample of a block.
 template <class Value>
 class PointwiseEvaluator {
  public:
@@ -42,8 +42,8 @@ class PointwiseEvaluator {
   std::vector<bool> shared_;  // by node
   bool any_shared_ = false;
   std::map<std::vector<std::size_t>, std::vector<std::size_t>> shared_below_;  // by the nodes that a leaf combines
-  std::map<std::size_t, std::vector<Value>> kept_;                             // of shared nodes, in this block
-  std::map<std::pair<std::size_t, bool>, Value> kept_with_all_;                // of shared nodes and their negations
+  std::map<std::size_t, std::vector<Value>> shared_blocks_;                    // of shared nodes, in this block
+  std::map<std::pair<std::size_t, bool>, Value> shared_constants_;             // of shared nodes and their negations
 };
 
 // Where a trace stands between two blocks.
@@ -53,7 +53,7 @@ struct TracePosition {
   bool begun = false;
 };
 
-// Whether ticks rise strictly from one sample to the next; throws std::invalid_argument if they fall.
+// True if ticks rise strictly from one sample to the next; throws std::invalid_argument if they fall.
 bool rises(const std::int64_t* ticks, std::size_t count, const TracePosition& position);
 
 // Appends the values of a block of samples. Where `rising` is false, later samples overwrite those of the same tick.

@@ -15,11 +15,11 @@
 
 namespace tachk::monitoring::offline {
 
-// What is known about the end of the trace.
+// The knowledge about the end of the trace.
 struct TraceEnd {
   Cell reached = 0;       // this cell is certainly not after the end
   bool finished = false;  // and it is the last one
-  // What lies after the end is taken as false (least) or as true (greatest), or the leaves go on as they are (held);
+  // After the end, values count as false (least) or as true (greatest), or the leaves go on as they are (held);
   // they speak about it only if that is settled.
   enum class Beyond { unknown, least, greatest, held } beyond = Beyond::unknown;
 };

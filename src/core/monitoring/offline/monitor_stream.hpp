@@ -38,8 +38,9 @@ struct Lattice {
   static constexpr bool below(Value l, Value r) { return Dual ? r < l : l < r; }
 };
 
-// Pieces in the order of time, numbered from 0 for ever; those that nobody reads any more are dropped. Cells below the
-// frontier are final. Pieces that start at the frontier or later may still be rewritten: readers must not look at them.
+// Pieces in the order of time, numbered from 0 for ever; those that no operator reads any more are dropped. Cells below
+// the frontier are final. Pieces that start at the frontier or later may still be rewritten: readers must not look at
+// them.
 template <class Value>
 class Stream {
  public:

@@ -15,8 +15,7 @@ OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests,
       pointwise_(program_),
       left_values_(AtomEvaluator::block) {
   if (requests_.verdict) verdict_ = plan(program_.nodes.size() - 1, false);
-  for (const std::size_t node : requests_.signals)
-    side_.recordings.push_back({graph_.stream_of(node, false), 0, {}, {}});
+  for (const std::size_t node : requests_.signals) side_.logs.push_back({graph_.stream_of(node, false), 0, {}, {}});
 
   side_.streams.resize(graph_.streams().size());
   for (const StreamNode& node : graph_.streams()) {
@@ -107,7 +106,7 @@ bool OfflineMonitor<Value>::step(Side& side) {
     moved = moved || out.frontier != frontier || before != 0;
   }
   for (Fold& fold : side.folds) collect(fold, side);
-  for (Recording& recording : side.recordings) record(recording, side);
+  for (SignalLog& log : side.logs) record(log, side);
   return moved;
 }
 
@@ -138,8 +137,7 @@ void OfflineMonitor<Value>::trim(Side& side) {
   }
   for (const Fold& fold : side.folds)
     if (!fold.complete) needed[fold.stream] = std::min(needed[fold.stream], fold.at);
-  for (const Recording& recording : side.recordings)
-    needed[recording.stream] = std::min(needed[recording.stream], recording.at);
+  for (const SignalLog& log : side.logs) needed[log.stream] = std::min(needed[log.stream], log.at);
   for (std::size_t number = 0; number < side.streams.size(); ++number) side.streams[number].trim(needed[number]);
 }
 
@@ -190,18 +188,18 @@ void OfflineMonitor<Value>::collect(Fold& fold, const Side& side) {
 }
 
 template <class Value>
-void OfflineMonitor<Value>::record(Recording& recording, const Side& side) {
-  const Stream<Value>& in = side.streams[recording.stream];
+void OfflineMonitor<Value>::record(SignalLog& log, const Side& side) {
+  const Stream<Value>& in = side.streams[log.stream];
   const Cell known = side.end.finished ? std::min(in.frontier, side.end.reached + 1) : in.frontier;
-  for (; recording.at < in.end() && in.starts()[recording.at] < known; ++recording.at) {
-    recording.starts.push_back(in.starts()[recording.at]);
-    recording.values.push_back(in.values()[recording.at]);
+  for (; log.at < in.end() && in.starts()[log.at] < known; ++log.at) {
+    log.starts.push_back(in.starts()[log.at]);
+    log.values.push_back(in.values()[log.at]);
   }
 }
 
 template <class Value>
 bool OfflineMonitor<Value>::settled() const {
-  if (!side_.recordings.empty()) return false;
+  if (!side_.logs.empty()) return false;
   return std::all_of(side_.folds.begin(), side_.folds.end(), [](const Fold& fold) { return fold.complete; });
 }
 
@@ -210,8 +208,7 @@ std::size_t OfflineMonitor<Value>::bytes() const {
   std::size_t sum = 0;
   for (const Stream<Value>& stream : side_.streams) sum += stream.bytes();
   for (const auto& what : side_.operators) sum += what == nullptr ? 0 : what->bytes();
-  for (const Recording& recording : side_.recordings)
-    sum += recording.starts.capacity() * (sizeof(Cell) + sizeof(Value));
+  for (const SignalLog& log : side_.logs) sum += log.starts.capacity() * (sizeof(Cell) + sizeof(Value));
   return sum;
 }
 
@@ -222,7 +219,7 @@ auto OfflineMonitor<Value>::copy(const Side& side) const -> Side {
   for (const auto& what : side.operators) result.operators.push_back(what == nullptr ? nullptr : what->clone());
   result.changes = side.changes;
   result.folds = side.folds;
-  result.recordings = side.recordings;
+  result.logs = side.logs;
   result.end = side.end;
   return result;
 }
@@ -241,7 +238,7 @@ void OfflineMonitor<Value>::finish(std::int64_t end) {
 }
 
 template <class Value>
-void OfflineMonitor<Value>::judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill) {
+void OfflineMonitor<Value>::evaluate(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill) {
   side_.end.reached = last;
   for (const std::size_t leaf : leaves_) {
     fill(graph_.streams()[leaf], side_.streams[leaf]);
@@ -256,7 +253,7 @@ void OfflineMonitor<Value>::close() {
   drain(side_);
   low_ = copy(side_);
   std::optional<Side> held;
-  if (requests_.verdict && side_.recordings.empty() && !settled()) held = copy(side_);
+  if (requests_.verdict && side_.logs.empty() && !settled()) held = copy(side_);
   conclude(low_, TraceEnd::Beyond::least);
   conclude(side_, TraceEnd::Beyond::greatest);
   if (!held) return;
@@ -339,8 +336,8 @@ std::optional<FirstViolation> OfflineMonitor<Value>::violation() const {
 
 template <class Value>
 Signal<Value> OfflineMonitor<Value>::signal(std::size_t number) const {
-  const Recording& low = low_.recordings[number];
-  const Recording& high = side_.recordings[number];
+  const SignalLog& low = low_.logs[number];
+  const SignalLog& high = side_.logs[number];
   Signal<Value> result;
   std::size_t i = 0;
   std::size_t j = 0;

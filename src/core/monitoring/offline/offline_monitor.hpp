@@ -1,4 +1,4 @@
-// What a recorded trace says about a formula: a network of streams, fed with blocks of samples.
+// The truth and robustness of a formula on a recorded trace: a network of streams, fed with blocks of samples.
 #pragma once
 
 #include <cstddef>
@@ -58,8 +58,8 @@ class OfflineMonitor {
   void finish(std::int64_t end);
   // Instead of samples and an end: whole signals of the leaves, of which only the cells up to `last` count, but for
   // `lasting`.
-  void judge(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
-  // Whether further samples cannot change any result.
+  void evaluate(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
+  // True if further samples cannot change any result.
   bool settled() const;
   std::size_t columns() const { return program_.columns; }
   // Memory held for the streams.
@@ -89,7 +89,7 @@ class OfflineMonitor {
     Cell least_from = -1;  // where the value is the worst of all for the first time
     Cell least_to = -1;    // and the first cell after that
   };
-  struct Recording {
+  struct SignalLog {
     std::size_t stream;
     std::size_t at = 0;
     std::vector<Cell> starts;
@@ -108,7 +108,7 @@ class OfflineMonitor {
     std::vector<std::unique_ptr<StreamOperator<Value>>> operators;  // none for leaves
     std::vector<ChangeLeaf<Value>> changes;
     std::vector<Fold> folds;
-    std::vector<Recording> recordings;
+    std::vector<SignalLog> logs;
     TraceEnd end;
   };
 
@@ -119,7 +119,7 @@ class OfflineMonitor {
   void drain(Side& side);
   void trim(Side& side);
   void collect(Fold& fold, const Side& side);
-  void record(Recording& recording, const Side& side);
+  void record(SignalLog& log, const Side& side);
   void close();
   void conclude(Side& side, TraceEnd::Beyond beyond);
   Side copy(const Side& side) const;

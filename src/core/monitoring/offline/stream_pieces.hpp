@@ -1,4 +1,4 @@
-// What operators on streams have in common: how they are copied, and how they walk through the pieces of their inputs.
+// The common part of operators on streams: how they are copied, and how they walk through the pieces of their inputs.
 #pragma once
 
 #include <algorithm>

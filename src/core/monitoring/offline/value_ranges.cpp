@@ -67,7 +67,7 @@ Interval value_of(const std::vector<ValueInstruction>& code, const std::vector<I
   return stack.back();
 }
 
-// Whether the atom is true for all values, or for none.
+// The truth of the atom if it is the same for all values.
 std::optional<bool> certainly(const MonitorAtom& atom, const std::vector<Interval>& columns) {
   const Interval l = value_of(atom.left, columns);
   const Interval r = atom.relation == Relation::truth ? Interval{0, 0} : value_of(atom.right, columns);
@@ -92,7 +92,7 @@ std::optional<bool> certainly(const MonitorAtom& atom, const std::vector<Interva
   }
 }
 
-// The least and the greatest value of a column in a stretch of samples of which both ends only move on.
+// The least and the greatest value of a column in a segment of samples of which both ends only move on.
 class SlidingRange {
  public:
   explicit SlidingRange(const std::vector<double>& values) : values_(&values) {}

@@ -7,7 +7,7 @@
 namespace tachk::monitoring::online {
 namespace {
 
-// Later instants are refused, so that sums of instants and bounds of formulas fit into 64 bits.
+// Later instants are rejected, so that sums of instants and bounds of formulas fit into 64 bits.
 constexpr std::int64_t furthest_tick = largest_tick / 2;
 
 bool is_truth(double value) { return value == 0.0 || value == 1.0; }
@@ -30,16 +30,16 @@ void drop(std::vector<Value>& values, std::size_t count) {
 }  // namespace
 
 MonitorGroup::MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, bool all_violations,
-                           const TickScale& scale, std::int64_t reach, std::size_t most_kept)
+                           const TickScale& scale, std::int64_t reach, std::size_t most_rows)
     : held_{std::vector<double>(columns), false},
       row_(columns),
       conditions_(columns),
       goes_on_(quantitative || all_violations),
       scale_(scale),
       open_(watched.size()) {
-  kept_.columns.resize(columns);
-  kept_.reach = reach;
-  kept_.most = most_kept;
+  retained_.columns.resize(columns);
+  retained_.reach = reach;
+  retained_.most = most_rows;
   for (Watched& each : watched) {
     note_conditions(each, conditions_);
     Member member;
@@ -92,8 +92,8 @@ RowFault MonitorGroup::update(int128 tick, std::optional<double> time, std::span
   ++progress_.rows;
   forget_rows();
   if (open_ > 0) {
-    kept_.ticks.push_back(progress_.now);
-    for (std::size_t n = 0; n < held_.values.size(); ++n) kept_.columns[n].push_back(held_.values[n]);
+    retained_.ticks.push_back(progress_.now);
+    for (std::size_t n = 0; n < held_.values.size(); ++n) retained_.columns[n].push_back(held_.values[n]);
   }
   decided_some_ = false;
   for (Member& member : watched_) {
@@ -211,23 +211,23 @@ Decision MonitorGroup::joint() const {
 // An explanation looks back from the last row that the verdict rests on, and that of a violation is requested before
 // the next call.
 void MonitorGroup::forget_rows() {
-  std::vector<std::int64_t>& ticks = kept_.ticks;
+  std::vector<std::int64_t>& ticks = retained_.ticks;
   if (open_ == 0) {
     ticks.clear();
-    for (std::vector<double>& column : kept_.columns) column.clear();
-    kept_.head = 0;
+    for (std::vector<double>& column : retained_.columns) column.clear();
+    retained_.head = 0;
     return;
   }
   if (ticks.empty()) return;
-  const std::int64_t oldest = ticks.back() - kept_.reach - 1;
-  std::size_t& head = kept_.head;
-  while (head + 1 < ticks.size() && (ticks[head + 1] <= oldest || ticks.size() - head > kept_.most)) {
+  const std::int64_t oldest = ticks.back() - retained_.reach - 1;
+  std::size_t& head = retained_.head;
+  while (head + 1 < ticks.size() && (ticks[head + 1] <= oldest || ticks.size() - head > retained_.most)) {
     ++head;
-    kept_.whole = false;
+    retained_.whole = false;
   }
   if (head < 1024 || 2 * head < ticks.size()) return;
   drop(ticks, head);
-  for (std::vector<double>& column : kept_.columns) drop(column, head);
+  for (std::vector<double>& column : retained_.columns) drop(column, head);
   head = 0;
 }
 
@@ -235,26 +235,26 @@ void MonitorGroup::forget_rows() {
 void MonitorGroup::keep(const Samples& samples) {
   std::size_t first = 0;
   if (!decided_some_) {
-    const std::int64_t oldest = samples.ticks[samples.count - 1] - kept_.reach - 1;
+    const std::int64_t oldest = samples.ticks[samples.count - 1] - retained_.reach - 1;
     const std::int64_t* const end = samples.ticks + samples.count;
     first = static_cast<std::size_t>(std::upper_bound(samples.ticks, end, oldest) - samples.ticks);
     if (first > 0) --first;  // its values hold still
-    if (samples.count - first > kept_.most) first = samples.count - kept_.most;
+    if (samples.count - first > retained_.most) first = samples.count - retained_.most;
   }
   if (first > 0) {
-    kept_.ticks.clear();
-    for (std::vector<double>& column : kept_.columns) column.clear();
-    kept_.head = 0;
-    kept_.whole = false;
+    retained_.ticks.clear();
+    for (std::vector<double>& column : retained_.columns) column.clear();
+    retained_.head = 0;
+    retained_.whole = false;
   }
-  kept_.ticks.insert(kept_.ticks.end(), samples.ticks + first, samples.ticks + samples.count);
-  for (std::size_t n = 0; n < kept_.columns.size(); ++n) {
+  retained_.ticks.insert(retained_.ticks.end(), samples.ticks + first, samples.ticks + samples.count);
+  for (std::size_t n = 0; n < retained_.columns.size(); ++n) {
     const Column& column = samples.columns[n];
-    std::vector<double>& kept = kept_.columns[n];
+    std::vector<double>& retained = retained_.columns[n];
     if (column.numbers != nullptr) {
-      kept.insert(kept.end(), column.numbers + first, column.numbers + samples.count);
+      retained.insert(retained.end(), column.numbers + first, column.numbers + samples.count);
     } else {
-      for (std::size_t row = first; row < samples.count; ++row) kept.push_back(column.flags[row] != 0 ? 1.0 : 0.0);
+      for (std::size_t row = first; row < samples.count; ++row) retained.push_back(column.flags[row] != 0 ? 1.0 : 0.0);
     }
   }
 }

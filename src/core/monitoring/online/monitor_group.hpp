@@ -36,10 +36,10 @@ class MonitorGroup {
     std::vector<std::size_t> places;  // of its columns among those of the group
   };
 
-  // `reach`: so many ticks before the last row are looked at by an explanation; of rows before, at most `most_kept` are
+  // `reach`: so many ticks before the last row are looked at by an explanation; of rows before, at most `most_rows` are
   // kept in any case.
   MonitorGroup(std::vector<Watched> watched, std::size_t columns, bool quantitative, bool all_violations,
-               const TickScale& scale, std::int64_t reach, std::size_t most_kept);
+               const TickScale& scale, std::int64_t reach, std::size_t most_rows);
   MonitorGroup(const MonitorGroup&) = delete;
   MonitorGroup& operator=(const MonitorGroup&) = delete;
 
@@ -56,7 +56,7 @@ class MonitorGroup {
 
   // no if one formula is violated, else undetermined if one is, else yes.
   Decision verdict() const { return verdict_; }
-  // Whether the last call decided something. Rows are kept until the next one.
+  // True if the last call decided something. Rows are kept until the next one.
   bool decided_some() const { return decided_some_; }
   std::size_t open() const { return open_; }
   std::size_t size() const { return watched_.size(); }
@@ -77,11 +77,11 @@ class MonitorGroup {
   const TickScale& scale() const { return scale_; }
 
   // The rows that are kept, counted from the origin; whether they are all there were.
-  std::span<const std::int64_t> kept_ticks() const { return std::span(kept_.ticks).subspan(kept_.head); }
-  std::span<const double> kept_column(std::size_t column) const {
-    return std::span(kept_.columns[column]).subspan(kept_.head);
+  std::span<const std::int64_t> retained_ticks() const { return std::span(retained_.ticks).subspan(retained_.head); }
+  std::span<const double> retained_column(std::size_t column) const {
+    return std::span(retained_.columns[column]).subspan(retained_.head);
   }
-  bool kept_all() const { return kept_.whole; }
+  bool has_all_rows() const { return retained_.whole; }
 
  private:
   struct Member {
@@ -90,7 +90,7 @@ class MonitorGroup {
     std::vector<Column> columns;
     bool decided = false;
   };
-  struct Kept {
+  struct RetainedRows {
     std::vector<std::int64_t> ticks;
     std::vector<std::vector<double>> columns;
     std::size_t head = 0;
@@ -129,7 +129,7 @@ class MonitorGroup {
   std::vector<std::int64_t> ticks_;
   bool goes_on_;  // with formulas that are decided
   TickScale scale_;
-  Kept kept_;
+  RetainedRows retained_;
   Decision verdict_ = Decision::undetermined;
   std::size_t open_;
   bool decided_some_ = false;

@@ -62,7 +62,7 @@ bool OnlineGraph::is_everywhere_ahead(Literal operand) const {
 
 namespace {
 
-// What a node becomes; `made`: what those before it have become.
+// The image of a node; `made`: the images of those before it.
 Literal made_of(OnlineGraph& graph, const MonitorNode& node, const std::vector<Literal>& made) {
   const auto operand = [&](std::size_t which) { return made[node.operands[which]]; };
   const auto joined = [&](auto join) {

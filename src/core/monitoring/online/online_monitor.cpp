@@ -97,7 +97,7 @@ void OnlineMonitor::push_ordered(const Samples& samples) {
 }
 
 // Samples come more often than bounds are requested, and margins are much faster in blocks. So samples wait until a
-// block of them is there or somebody asks; what is found is the same.
+// block of them is there or a caller needs the result, which is the same.
 void OnlineMonitor::take_margins(const Samples& samples) {
   constexpr std::size_t block = AtomEvaluator::block;
   if (margins_.waiting.ticks.size() + samples.count > block) catch_up();
@@ -139,7 +139,7 @@ offline::Range<Robustness> OnlineMonitor::robustness() {
   return margins_.robustness;
 }
 
-// What the range and the verdict say is true, so are the bounds found before.
+// The range and the verdict are true, so are the bounds found before.
 void OnlineMonitor::narrow(const offline::Range<Robustness>& range) {
   margins_.robustness.low = std::max(margins_.robustness.low, range.low);
   margins_.robustness.high = std::min(margins_.robustness.high, range.high);
@@ -196,7 +196,7 @@ void OnlineMonitor::follow_singly(const Samples& samples, std::size_t first, std
   if (n < count) follow(samples, first, n, count);
 }
 
-// What the leaves are at the samples of a block.
+// The values of the leaves at the samples of a block.
 void OnlineMonitor::evaluate(const Samples& samples, std::size_t first, std::size_t count) {
   for (std::size_t n = 0; n < leaves_.size(); ++n) {
     const Leaf& leaf = leaves_[n];

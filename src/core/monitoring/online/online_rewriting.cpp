@@ -63,7 +63,7 @@ class Rewriting {
     }
   }
 
-  // What has to hold at every instant instead of `part`.
+  // The formula that has to hold at every instant instead of `part`.
   std::size_t invariant(const Part& part) {
     std::vector<Part> alternatives;
     split(part, false, alternatives);

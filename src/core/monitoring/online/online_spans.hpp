@@ -1,4 +1,4 @@
-// A growing set of cells: ordered runs in one stretch of memory, cheap to extend at the end, to drop at the front, and
+// A growing set of cells: ordered runs in one block of memory, cheap to extend at the end, to drop at the front, and
 // to change near either side.
 #pragma once
 
@@ -32,11 +32,11 @@ class SpanSet {
     return static_cast<std::size_t>(
         std::partition_point(begin, runs_.end(), [cell](const Span& run) { return run.end <= cell; }) - begin);
   }
-  // The same, where it is likely to be `near` or soon after.
-  std::size_t find(Cell cell, std::size_t near) const {
-    if (near > size() || (near > 0 && (*this)[near - 1].end > cell)) return find(cell);
-    for (int n = 0; n < 4; ++n, ++near)
-      if (near == size() || (*this)[near].end > cell) return near;
+  // The same, where it is likely to be `hint` or soon after.
+  std::size_t find(Cell cell, std::size_t hint) const {
+    if (hint > size() || (hint > 0 && (*this)[hint - 1].end > cell)) return find(cell);
+    for (int n = 0; n < 4; ++n, ++hint)
+      if (hint == size() || (*this)[hint].end > cell) return hint;
     return find(cell);
   }
   bool holds(Cell cell) const {

@@ -32,16 +32,16 @@ TruthEngine::TruthEngine(const OnlineGraph& graph, bool all_violations)
     states_[n].watched = {!leaf, !leaf};
     const bool of_time = node.kind == OnlineKind::strict_until || node.kind == OnlineKind::strict_since;
     for (const bool value : {false, true}) {
-      if (node.kind == OnlineKind::window && (!value || node.to_the_end)) ask(node.left, value);
+      if (node.kind == OnlineKind::window && (!value || node.to_the_end)) watch(node.left, value);
       if (of_time || (node.kind == OnlineKind::either && !value)) {
-        ask(node.left, value);
-        ask(node.right, value);
+        watch(node.left, value);
+        watch(node.right, value);
       }
     }
   }
   for (const bool value : {false, true}) {
-    ask(graph.root, value);
-    if (guarded_) ask(*guarded_, value);
+    watch(graph.root, value);
+    if (guarded_) watch(*guarded_, value);
   }
 }
 
@@ -276,7 +276,7 @@ void TruthEngine::step_since(const OnlineNode& node, State& state) {
       fails_after(left_fails[n].end - 1);
       if (left_fails[n].end > run.first) break;
     }
-    // What failed once goes on failing while there is no witness.
+    // A failure goes on while there is no witness.
     const SpanSet& own = state.cells[0];
     const std::size_t known = own.find(run.first);
     if (known < own.size() && own[known].first < after(run))

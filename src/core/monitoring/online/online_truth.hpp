@@ -77,7 +77,7 @@ class TruthEngine {
   void collect(Cell limit, bool finished);
   void forget();
   bool forgets_now();
-  void ask(Literal operand, bool value) { states_[operand.node].watched[value != operand.negated ? 1 : 0] = true; }
+  void watch(Literal operand, bool value) { states_[operand.node].watched[value != operand.negated ? 1 : 0] = true; }
   void want(Literal operand, Cell cell) {
     State& state = states_[operand.node];
     state.wanted = std::min(state.wanted, std::max<Cell>(cell, 0));

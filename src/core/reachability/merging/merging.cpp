@@ -6,14 +6,14 @@ namespace tachk::reachability::merging {
 
 using states::ZoneView;
 
-ZoneView Merging::united(states::PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
+ZoneView Merging::merged(states::PassedList& passed, std::uint32_t discrete, ZoneView zone, std::uint32_t first) {
   fresh_.clear();
   if (!allowed_) return zone;
   passed.wait_from(first);
-  if (first == states::no_node || !check_.asks()) return zone;
-  const std::size_t looked = passed.unite(discrete, zone, first, united_.get(), fresh_);
-  check_.tell(!fresh_.empty(), looked);
-  return fresh_.empty() ? zone : ZoneView{united_.get(), zone.dimension};
+  if (first == states::no_node || !check_.is_due()) return zone;
+  const std::size_t compared = passed.merge(discrete, zone, first, merged_.get(), fresh_);
+  check_.record(!fresh_.empty(), compared);
+  return fresh_.empty() ? zone : ZoneView{merged_.get(), zone.dimension};
 }
 
 void Merging::stored(std::uint32_t node) {

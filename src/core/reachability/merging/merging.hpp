@@ -1,4 +1,4 @@
-// Zones that wait in the same discrete state are united where their union is a zone: what different orders of the same
+// Zones that wait in the same discrete state are merged where their union is a zone: what different orders of the same
 // actions lead to often is one (R. Ben Salah, M. Bozga, O. Maler, "On interleaving in timed automata", CONCUR 2006). So
 // the same states are reached, in fewer pieces.
 //
@@ -18,17 +18,17 @@ namespace tachk::reachability::merging {
 
 class Merging final {
  public:
-  // Not `allowed`: nothing is united.
+  // Not `allowed`: nothing is merged.
   Merging(bool allowed, const zones::ZoneOperations& operations)
-      : allowed_(allowed), check_(allowed, states::AdaptiveCheck::short_first), united_(operations) {}
+      : allowed_(allowed), check_(allowed, states::AdaptiveCheck::short_first), merged_(operations) {}
 
   // The union of the zone with as many as possible of those that wait in this discrete state, in nodes from `first` on.
-  states::ZoneView united(states::PassedList& passed, std::uint32_t discrete, states::ZoneView zone,
+  states::ZoneView merged(states::PassedList& passed, std::uint32_t discrete, states::ZoneView zone,
                           std::uint32_t first);
   // The node that has the zone returned last.
   void stored(std::uint32_t node);
 
-  // Whether anything has been united.
+  // True if anything has been merged.
   bool any() const { return !parts_.empty(); }
   // A node and all through which its states are reached.
   std::vector<std::uint32_t> origins(const states::PassedList& passed, std::uint32_t node) const;
@@ -43,7 +43,7 @@ class Merging final {
 
   bool allowed_;
   states::AdaptiveCheck check_;
-  zones::ZoneBuffer united_;
+  zones::ZoneBuffer merged_;
   std::vector<std::uint32_t> fresh_;  // what the zone returned last has been made of, besides what was new
   std::vector<Part> parts_;
 };

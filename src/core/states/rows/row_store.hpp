@@ -23,7 +23,7 @@ class RowStore {
   zones::ZoneRows zone(const std::uint32_t* numbers) const { return {rows_.blocks(), numbers, rows_.shift()}; }
   // How many different ones there are.
   std::size_t size() const { return rows_.size() - free_.size(); }
-  // What one row takes, as a rule.
+  // The bytes of one row, as a rule.
   std::size_t bytes_each() const { return row_bytes_ + sizeof(std::uint32_t) + sizeof(std::uint64_t) * 3 / 2; }
   std::size_t bytes() const {
     return rows_.bytes() + counts_.bytes() + index_.bytes() + free_.capacity() * sizeof(std::uint32_t);

@@ -11,14 +11,14 @@ ZonesOfDimension::ZonesOfDimension(const zones::ZoneOperations& operations, int 
       dimension_(dimension),
       least_block_bytes_(least_block_bytes),
       records_(operations.bytes, least_block_bytes),
-      next_look_(rows_after) {
+      next_review_(rows_after) {
   if (rows_after != 0) return;
   records_ = RecordPool(list_bytes(), least_block_bytes_);
   rows_.emplace(operations_.row_bytes);
 }
 
 std::uint32_t ZonesOfDimension::add(zones::ConstZoneRef zone) {
-  if (free_.empty() && next_look_ != 0 && records_.size() == next_look_) reconsider();
+  if (free_.empty() && next_review_ != 0 && records_.size() == next_review_) reconsider();
   std::uint32_t record = records_.size();
   if (free_.empty()) {
     records_.append();
@@ -48,7 +48,7 @@ void ZonesOfDimension::remove(std::uint32_t record) {
 
 // Only called when no record is free.
 void ZonesOfDimension::reconsider() {
-  next_look_ *= 4;
+  next_review_ *= 4;
   const std::size_t zones = records_.size();
   const std::size_t whole_bytes = zones * operations_.bytes;
   const auto bytes_by = [&](const RowStore& rows) { return zones * list_bytes() + rows.size() * rows.bytes_each(); };

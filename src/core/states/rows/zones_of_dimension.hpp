@@ -31,7 +31,7 @@ class ZonesOfDimension {
     return rows_ ? operations_.rows.equal(rows(record), zone, dimension_)
                  : std::memcmp(records_[record], zone.bytes, operations_.bytes) == 0;
   }
-  // Whether the zone of a record contains this one; with `bounds` (may be null), simulates it.
+  // True if the zone of a record contains this one; with `bounds` (may be null), simulates it.
   bool covers(std::uint32_t record, zones::ConstZoneRef inner, const zones::ClockBounds* bounds) const {
     if (bounds == nullptr)
       return rows_ ? operations_.rows.include(rows(record), inner, dimension_)
@@ -74,7 +74,7 @@ class ZonesOfDimension {
   RecordPool records_;            // zones, or lists of the numbers of their rows
   std::optional<RowStore> rows_;  // if they are lists
   std::vector<std::uint32_t> free_;
-  std::uint64_t next_look_;  // at how many records; 0: never
+  std::uint64_t next_review_;  // at how many records; 0: never
 };
 
 }  // namespace tachk::states::rows

@@ -197,17 +197,17 @@ void test_robustness_in_time() {
   CHECK(measure(RobustnessKind::behind, 4, false) == 0 && measure(RobustnessKind::behind, 10, false) == 2);
 }
 
-void test_products_are_refused() {
+void test_products_are_rejected() {
   MonitorProgram program = below_half();
   program.atoms[0].left = {
       {ValueOperator::column, 0, 0}, {ValueOperator::column, 0, 0}, {ValueOperator::multiply, 0, 0}};
-  bool refused = false;
+  bool rejected = false;
   try {
     const LinearMonitor monitor(program, RobustnessKind::space);
   } catch (const std::invalid_argument&) {
-    refused = true;
+    rejected = true;
   }
-  CHECK(refused);
+  CHECK(rejected);
 }
 
 }  // namespace
@@ -217,6 +217,6 @@ int main() {
   test_lines();
   test_violation_begins_at_the_crossing();
   test_robustness_in_time();
-  test_products_are_refused();
+  test_products_are_rejected();
   return 0;
 }

@@ -266,8 +266,8 @@ void test_memory_stays_bounded() {
   CHECK(monitor.bytes() <= most);
 }
 
-void test_refusals() {
-  const auto refuses = [](auto action) {
+void test_rejections() {
+  const auto rejects = [](auto action) {
     try {
       action();
     } catch (const std::invalid_argument&) {
@@ -275,20 +275,20 @@ void test_refusals() {
     }
     return false;
   };
-  CHECK(refuses([] {
+  CHECK(rejects([] {
     Trace trace = pulses();
     trace.ticks[3] = 10;
     OfflineMonitor<Truth> monitor(response(1), {true, {}});
     feed(monitor, trace, nullptr);
   }));
-  CHECK(refuses([] {
+  CHECK(rejects([] {
     Trace trace = pulses();
     trace.end = 60;
     OfflineMonitor<Truth> monitor(response(1), {true, {}});
     feed(monitor, trace, nullptr);
   }));
-  CHECK(refuses([] { OfflineMonitor<Truth> monitor(response(largest_tick), {true, {}}); }));
-  CHECK(refuses([] {
+  CHECK(rejects([] { OfflineMonitor<Truth> monitor(response(largest_tick), {true, {}}); }));
+  CHECK(rejects([] {
     MonitorProgram program = response(1);
     program.nodes[2].operands[0] = 7;
     OfflineMonitor<Truth> monitor(program, {true, {}});
@@ -303,6 +303,6 @@ int main() {
   test_first_violation();
   test_a_pending_obligation_is_undetermined();
   test_memory_stays_bounded();
-  test_refusals();
+  test_rejections();
   return 0;
 }

@@ -226,10 +226,10 @@ void test_memory_does_not_grow_with_the_trace() {
   }
 }
 
-void test_wrong_times_are_refused_and_change_nothing() {
+void test_wrong_times_are_rejected_and_change_nothing() {
   const Recording recording{{5, 9, 7, 12}, {0, 0, 0, 0}, {0, 0, 0, 0}, 12};
   OnlineMonitor monitor(response(20), true);
-  const auto refuses = [](auto call) {
+  const auto rejects = [](auto call) {
     try {
       call();
     } catch (const std::invalid_argument&) {
@@ -237,15 +237,15 @@ void test_wrong_times_are_refused_and_change_nothing() {
     }
     return false;
   };
-  CHECK(refuses([&] { monitor.advance(1); }));
-  CHECK(refuses([&] { monitor.finish(1); }));
-  CHECK(refuses([&] { push(monitor, recording, 0, 4); }));
+  CHECK(rejects([&] { monitor.advance(1); }));
+  CHECK(rejects([&] { monitor.finish(1); }));
+  CHECK(rejects([&] { push(monitor, recording, 0, 4); }));
   push(monitor, recording, 0, 2);
-  CHECK(refuses([&] { push(monitor, recording, 2, 3); }));
-  CHECK(refuses([&] { monitor.advance(8); }));
+  CHECK(rejects([&] { push(monitor, recording, 2, 3); }));
+  CHECK(rejects([&] { monitor.advance(8); }));
   CHECK(monitor.now() == 9 && monitor.origin() == 5);
   monitor.finish(9);
-  CHECK(refuses([&] { push(monitor, recording, 3, 4); }));
+  CHECK(rejects([&] { push(monitor, recording, 3, 4); }));
 }
 
 void test_sets_of_cells() {
@@ -284,6 +284,6 @@ int main() {
   test_a_missed_deadline_is_found_when_time_passes_it();
   test_the_last_of_several_samples_for_a_tick_counts();
   test_memory_does_not_grow_with_the_trace();
-  test_wrong_times_are_refused_and_change_nothing();
+  test_wrong_times_are_rejected_and_change_nothing();
   return 0;
 }

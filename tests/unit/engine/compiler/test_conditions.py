@@ -191,7 +191,7 @@ def test_conditions_that_may_fail_keep_their_order() -> None:
         ("E0704", lambda m: m.x <= m.table[0] * 2**30),
     ],
 )
-def test_what_cannot_be_a_guard_is_refused(code: str, guard: object) -> None:
+def test_what_cannot_be_a_guard_is_rejected(code: str, guard: object) -> None:
     m = Model()
     assert callable(guard)
     with pytest.raises(UnsupportedError) as caught:
@@ -260,7 +260,7 @@ def test_a_right_side_that_may_fail_is_evaluated_only_where_the_left_is_false() 
     assert goal.disjuncts[1].condition.tests == (SlotTest(m.slot(m.n), Comparison.GREATER_EQUAL, 0),)
 
 
-def test_too_many_disjuncts_are_refused() -> None:
+def test_too_many_disjuncts_are_rejected() -> None:
     m = Model()
     predicate = (m.x < 0) | (m.y > 0)
     for i in range(1, 13):

@@ -54,7 +54,7 @@ def refusal(network: NetworkBuilder, question: Query) -> str:
 
 
 @pytest.mark.parametrize("kind", [QueryKind.EVENTUALLY, QueryKind.POTENTIALLY_ALWAYS])
-def test_deadlock_is_refused_in_queries_about_runs_with_stopwatches(kind: QueryKind) -> None:
+def test_deadlock_is_rejected_in_queries_about_runs_with_stopwatches(kind: QueryKind) -> None:
     network = NetworkBuilder()
     process = network.process("P")
     x = process.clock("x")
@@ -71,7 +71,7 @@ def test_reachability_and_deadlock_are_supported() -> None:
 
 
 @pytest.mark.parametrize("sends", [True, False])
-def test_a_clock_guard_on_an_urgent_channel_is_refused(sends: bool) -> None:
+def test_a_clock_guard_on_an_urgent_channel_is_rejected(sends: bool) -> None:
     network = NetworkBuilder()
     c = network.channel("c", urgent=True)
     p = network.process("P")
@@ -91,7 +91,7 @@ def test_a_receiver_of_an_urgent_broadcast_may_have_a_clock_guard() -> None:
     check_supported(network.build(), query(a.reached))
 
 
-def test_a_predicate_that_is_too_large_when_negated_is_refused_under_invariantly_only() -> None:
+def test_a_predicate_that_is_too_large_when_negated_is_rejected_under_invariantly_only() -> None:
     network = NetworkBuilder()
     x, y = network.clock("x"), network.clock("y")
     network.process("P").location("a")
@@ -114,7 +114,7 @@ def test_a_predicate_that_is_too_large_when_negated_leaves_other_queries_of_runs
     assert report[1].unsupported is not None and report[1].unsupported.code == "E0707"
 
 
-def test_selections_that_cannot_all_be_tried_are_refused() -> None:
+def test_selections_that_cannot_all_be_tried_are_rejected() -> None:
     network = NetworkBuilder()
     p = network.process("P")
     a = p.location("a")

@@ -129,7 +129,7 @@ def test_a_select_label_gives_one_edge_for_each_value_that_the_guard_admits() ->
     assert {edge.edge for edge in edges} == {0}
 
 
-def test_an_explosion_of_select_values_is_refused() -> None:
+def test_an_explosion_of_select_values_is_rejected() -> None:
     network = NetworkBuilder()
     p = network.process("P")
     a = p.location("a")
@@ -210,7 +210,7 @@ def test_rates_of_stopped_clocks() -> None:
     assert program.has_stopwatches
 
 
-def test_another_rate_is_refused() -> None:
+def test_another_rate_is_rejected() -> None:
     network = NetworkBuilder()
     p = network.process("P")
     p.location("a", rates=[(p.clock("x"), 2)])
@@ -219,7 +219,7 @@ def test_another_rate_is_refused() -> None:
     assert caught.value.diagnostic.code == "E0710"
 
 
-def test_a_clock_set_to_a_huge_value_is_refused() -> None:
+def test_a_clock_set_to_a_huge_value_is_rejected() -> None:
     with pytest.raises(UnsupportedError) as caught:
         single(lambda network: [network.clock("x").assign(2**31)])
     assert caught.value.diagnostic.code == "E0704"

@@ -376,7 +376,7 @@ property soon : A[] Sender.a imply x <= 5;
 """
 
 
-def test_who_hears_a_broadcast_under_a_clock_guard_may_also_stay_out() -> None:
+def test_a_receiver_of_a_broadcast_under_a_clock_guard_may_also_stay_out() -> None:
     network, query = counter("soon", TOLD)
     proof = proved(network, query)
     assert proof.states == 3
@@ -435,7 +435,7 @@ def test_what_becomes_possible_in_another_zone_counts_for_deadlock() -> None:
     assert judged(loaded.network, early, certificate) is not None
 
 
-def test_where_the_goal_is_asked_for_there_must_be_ranks() -> None:
+def test_where_the_goal_is_requested_there_must_be_ranks() -> None:
     """The part of the certificate that covers all reachable states is closed, and does not prove that they lead on."""
     network, query = counter("answered")
     proof = proved(network, query)
@@ -616,7 +616,7 @@ def test_the_report_names_the_element_that_is_wrong() -> None:
 
 
 @pytest.mark.parametrize("asked", list(Checker))
-def test_json_says_who_has_judged_each_certificate(asked: Checker, tmp_path: Path) -> None:
+def test_json_says_who_judges_each_certificate(asked: Checker, tmp_path: Path) -> None:
     model, proofs, report = tmp_path / "counter.ta", tmp_path / "counter.cert", tmp_path / "report.json"
     model.write_text(COUNTER + "property few : A[] n <= 3;", encoding="utf-8")
     run_verify(VerifyArguments((str(model),), certificate=proofs), reporting=RunReporting(quiet=True))

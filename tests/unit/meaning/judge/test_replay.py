@@ -42,18 +42,18 @@ def test_a_right_run_is_accepted() -> None:
 
 
 @pytest.mark.parametrize("delay", [Fraction(1), Fraction(9, 2)])
-def test_a_transition_whose_guard_is_false_is_refused(delay: Fraction) -> None:
+def test_a_transition_whose_guard_is_false_is_rejected(delay: Fraction) -> None:
     with pytest.raises(ReplayError, match="not enabled") as caught:
         replay(prepare(lamp().build()), run(delay))
     assert caught.value.step == 1
 
 
-def test_a_delay_beyond_the_invariant_is_refused() -> None:
+def test_a_delay_beyond_the_invariant_is_rejected() -> None:
     with pytest.raises(ReplayError, match="invariant"):
         replay(prepare(lamp().build()), run(6))
 
 
-def test_a_negative_delay_is_refused() -> None:
+def test_a_negative_delay_is_rejected() -> None:
     with pytest.raises(ReplayError, match="negative"):
         replay(prepare(lamp().build()), run(-1))
 
@@ -68,13 +68,13 @@ def test_a_negative_delay_is_refused() -> None:
         state(0, 1, Fraction(5, 2), 0, Fraction(5, 2)),
     ],
 )
-def test_a_state_that_is_not_the_computed_one_is_refused(wrong: TimedState) -> None:
+def test_a_state_that_is_not_the_computed_one_is_rejected(wrong: TimedState) -> None:
     (step,) = run().steps
     with pytest.raises(ReplayError, match="differ"):
         replay(prepare(lamp().build()), replace(run(), steps=(replace(step, state=wrong),)))
 
 
-def test_a_wrong_initial_state_is_refused() -> None:
+def test_a_wrong_initial_state_is_rejected() -> None:
     with pytest.raises(ReplayError) as caught:
         replay(prepare(lamp().build()), replace(run(), initial=state(0, 1, 0, 0, 0)))
     assert caught.value.step == 0
@@ -87,7 +87,7 @@ def test_the_predicate_must_hold_in_the_last_state() -> None:
         replay(prepare(network.build()), run(), (~deadlock()).expression)
 
 
-def test_a_transition_of_lower_priority_is_refused_while_a_higher_one_is_possible() -> None:
+def test_a_transition_of_lower_priority_is_rejected_while_a_higher_one_is_possible() -> None:
     network = NetworkBuilder()
     low, high = network.process("Low"), network.process("High", priority=1)
     a = low.location("A")
@@ -117,7 +117,7 @@ def test_an_update_that_goes_wrong_is_no_matter_where_it_could_block_nothing() -
         replay(prepare(network.build()), TimedTrace(start, (TimedStep(Fraction(0), wrong, start),)))
 
 
-def test_an_update_that_goes_wrong_is_refused() -> None:
+def test_an_update_that_goes_wrong_is_rejected() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 0, 3)
     process = network.process("P")
@@ -129,7 +129,7 @@ def test_an_update_that_goes_wrong_is_refused() -> None:
 
 
 @pytest.mark.parametrize("wait", [1, 2])
-def test_a_step_into_a_violated_invariant_is_refused(wait: int) -> None:
+def test_a_step_into_a_violated_invariant_is_rejected(wait: int) -> None:
     network = NetworkBuilder()
     x = network.clock("x")
     process = network.process("P")

@@ -52,7 +52,7 @@ def test_every_element_is_needed() -> None:
         assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
 
 
-def test_exchanges_prove_nothing_of_another_model() -> None:
+def test_transpositions_prove_nothing_of_another_model() -> None:
     network, query = fischer()
     certificate = written(proved(network, query))
     wrong, _ = fischer(WAIT=9)
@@ -60,7 +60,7 @@ def test_exchanges_prove_nothing_of_another_model() -> None:
     assert found is not None and found.reason == "a successor is not in the set"
 
 
-def test_exchanges_that_a_query_tells_apart_prove_nothing_about_it() -> None:
+def test_transpositions_that_a_query_distinguishes_prove_nothing_about_it() -> None:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", N=3)
     mutual_exclusion, enter, *_ = loaded.properties
     found = judged(loaded.network, enter, written(proved(loaded.network, mutual_exclusion)))
@@ -68,7 +68,7 @@ def test_exchanges_that_a_query_tells_apart_prove_nothing_about_it() -> None:
     assert found is not None and found.reason == told
 
 
-def test_a_search_without_exchanges_makes_a_certificate_without() -> None:
+def test_a_search_without_transpositions_makes_a_certificate_without() -> None:
     network, query = fischer()
     plain = proved(network, query, PLAIN)
     assert not plain.header.groups and plain.zones > 2 * proved(network, query).zones
@@ -274,7 +274,7 @@ def objection(changes: dict[str, str], members: tuple[str, ...] = BOTH, named: s
 
 
 @pytest.mark.parametrize("what", DIFFERENT)
-def test_what_tells_processes_apart_is_found(what: str) -> None:
+def test_what_distinguishes_processes_is_found(what: str) -> None:
     changes, reason = DIFFERENT[what]
     assert objection(changes) == reason
 
@@ -286,7 +286,7 @@ def test_all_that_belongs_to_a_member_must_move_with_it(gone: str) -> None:
     assert objection({}, members) is not None
 
 
-def test_edges_may_hear_corresponding_channels_only() -> None:
+def test_edges_may_receive_corresponding_channels_only() -> None:
     """Which ones an edge may hear decides where its guard is asked, which may be an error."""
     receives = {"of_a": "to M { sync d[1]?; }", "of_b": "to M { sync d[a - a + 2]?; }"}
     sends = "to M { select k : int[0, 2]; sync d[k]!; }"
@@ -324,7 +324,7 @@ def test_a_range_must_hold_the_names_of_all_or_of_none() -> None:
     assert found == "the range of last distinguishes them"
 
 
-def test_what_is_asked_for_must_not_tell_them_apart() -> None:
+def test_what_is_requested_must_not_distinguish_them() -> None:
     loaded = tachk.loads(text_of({}))
     model = prepare(loaded.network)
     asked = {
@@ -376,7 +376,7 @@ def test_names_in_a_large_range(least: str, update: str, reason: str | None) -> 
     assert Automorphisms(model, []).objection(group_of(model, members, "who", (1, 2, 3))) == reason
 
 
-def test_groups_that_describe_no_exchanges_are_malformed() -> None:
+def test_groups_that_describe_no_transpositions_are_malformed() -> None:
     model = prepare(tachk.loads(text_of({})).network)
     group = group_of(model, BOTH, "owner", (1, 2))
     width = len(model.network.processes) + len(model.layout.initial)
@@ -402,7 +402,7 @@ def test_groups_that_describe_no_exchanges_are_malformed() -> None:
             Automorphisms(model, []).objection(each)
 
 
-def test_states_in_which_a_constant_has_another_value_are_refused() -> None:
+def test_states_in_which_a_constant_has_another_value_are_rejected() -> None:
     """The proof is about states in which what nothing writes has its initial value."""
     loaded = tachk.loads(
         "int[0, 1] never = 0; process P(const int[0, 2] me) {"
@@ -441,7 +441,7 @@ def mutated(header: CertificateHeader, random: Random) -> CertificateHeader:
     return replace(header, groups=tuple(map(SymmetryGroup.from_json, groups)))
 
 
-def test_no_mutation_of_exchanges_proves_what_is_wrong() -> None:
+def test_no_mutation_of_transpositions_proves_what_is_wrong() -> None:
     """Fischer's protocol that waits too little, by certificates of the right one in which the bound was changed."""
     random = Random(1)
     network, query = fischer()

@@ -56,7 +56,7 @@ def test_events_of_a_log_are_put_where_their_time_is() -> None:
     ]
 
 
-def test_what_a_log_tells_behind_a_sample_happens_after_it() -> None:
+def test_what_a_log_reports_behind_a_sample_happens_after_it() -> None:
     """The CREATE is no sample."""
     start = 5 * 10**9
     rows = [event(start + 19, "written", client="0"), event(start + 29, "written", client=0)]

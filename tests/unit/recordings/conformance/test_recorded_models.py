@@ -73,7 +73,7 @@ CAPTURES = [("f3a_stale_acknack_tail_loss", "packet 126"), ("f6a_late_dup_create
 
 @pytest.mark.parametrize(("capture", "place"), CAPTURES)
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared captures are not here")
-def test_a_stale_acknack_is_a_run_of_the_client_and_refused_by_the_standard(capture: str, place: str) -> None:
+def test_a_stale_acknack_is_a_run_of_the_client_and_rejected_by_the_standard(capture: str, place: str) -> None:
     recording = read_capture(SHARED / f"{capture}.pcap")
 
     def conforms_within(name: str) -> Conformance:

@@ -50,7 +50,7 @@ def test_disjunctions_over_one_clock_are_understood(tmp_path: Path) -> None:
     assert ("call", 10) in [(enabled_event.name, enabled_event.earliest) for enabled_event in refusal.enabled_events]
 
 
-def test_what_is_not_understood_is_told(tmp_path: Path) -> None:
+def test_what_is_not_understood_is_reported(tmp_path: Path) -> None:
     """With a clock of each listener they are 2^40 zones."""
     found = refused(tmp_path, "y", 40)
     assert found.refusal is not None and not found.refusal.enabled_complete

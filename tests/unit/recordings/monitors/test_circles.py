@@ -43,7 +43,7 @@ def test_a_column_breaks_a_circle(tmp_path: Path) -> None:
     assert tachk.monitor(own, ROWS).truth is tachk.Truth.TRUE
 
 
-def test_a_column_in_the_place_of_a_formula_is_told(tmp_path: Path) -> None:
+def test_a_column_in_the_place_of_a_formula_is_reported(tmp_path: Path) -> None:
     path = formulas(tmp_path, "a: x < 3\nc: G a\n")
     record = evaluate_formulas(read_formulas(path), open_trace({**ROWS, "a": [1, 0]}))
     assert record.trace.warnings == ("`a` in the formula `c` is the column, not the formula of this name",)

@@ -133,7 +133,7 @@ def test_unknown_columns_are_all_reported_at_their_places() -> None:
         ("F[0,2147483647] p && F[0,268435455000000000.0] p", "E0903", "F[0,"),
     ],
 )
-def test_refused(text: str, code: str, place: str) -> None:
+def test_rejected(text: str, code: str, place: str) -> None:
     (finding,) = refused(text, ticks=4)
     assert finding.code == code
     assert place in finding.span.text

@@ -73,7 +73,7 @@ def test_a_formula_is_no_file_name_however_long_it_is() -> None:
         read_formulas("G (x < 5\0)")
 
 
-def test_a_trace_whose_name_is_too_long_is_refused_as_one_that_is_not_there() -> None:
+def test_a_trace_whose_name_is_too_long_is_rejected_as_one_that_is_not_there() -> None:
     for name in ("a" * 300, "a" * 300 + ".csv", "a" * 5000):
         with pytest.raises(UsageError):
             tachk.monitor("G (x < 5)", name)
@@ -161,7 +161,7 @@ def test_bounds_that_are_no_numbers(bound: str, code: str) -> None:
     assert error.value.diagnostics[0].code == code
 
 
-def test_refusals(tmp_path: Path) -> None:
+def test_rejections(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no file"):
         read_formulas("gone.stl")
     (tmp_path / "only.stl").write_text("// nothing\n")
@@ -204,7 +204,7 @@ def test_names_get_values_from_definitions_and_from_lines_of_the_file(tmp_path: 
     assert monitor.columns == ("x",)
 
 
-def test_a_definition_that_means_nothing_is_refused() -> None:
+def test_a_definition_that_means_nothing_is_rejected() -> None:
     trace = {"t": [0], "x": [1]}
     with pytest.raises(UsageError, match="no formula has this name"):
         tachk.monitor("G (x < L)", trace, constants={"LL": 4})

@@ -64,7 +64,7 @@ def test_a_better_comparison_is_named() -> None:
     assert "write `x + 1 <= y`" in finding.help
 
 
-def test_everything_is_told_once_in_the_order_of_the_text() -> None:
+def test_everything_is_reported_once_in_the_order_of_the_text() -> None:
     assert found("rise(x > 1) && F x * x > 3 && change(y)") == [
         ("E0907", "x > 1"),
         ("E0905", "x * x"),

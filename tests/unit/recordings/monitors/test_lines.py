@@ -36,7 +36,7 @@ def story(formula: str) -> tuple[str, ...]:
     return explain_verdict(record, record.verdicts[0])
 
 
-def test_a_violation_on_a_line_is_told_with_what_was_seen_there() -> None:
+def test_a_violation_on_a_line_is_reported_with_what_was_seen_there() -> None:
     """From (1, 2) to (4, 5): of the two rows for one instant the last one counts."""
     assert story("G (rise(x >= 3) -> F[0, 1] x >= 4.5)") == (
         "trigger: `x >= 3` becomes true at 2 s",
@@ -46,7 +46,7 @@ def test_a_violation_on_a_line_is_told_with_what_was_seen_there() -> None:
     )
 
 
-def test_crossings_are_told_to_six_decimals() -> None:
+def test_crossings_are_reported_to_six_decimals() -> None:
     assert story("G (x <= 8 / 3)") == (
         "`x <= 8 / 3` is false at just after 1.666667 s",
         "seen at just after 1.666667 s: x = 2.66667",
@@ -81,7 +81,7 @@ def test_several_formulas_with_bounds_of_different_fineness() -> None:
     assert [v.truth.word for v in report] == ["true", "false", "undetermined"]
 
 
-def test_products_changes_and_open_triggers_are_refused_with_their_places() -> None:
+def test_products_changes_and_open_triggers_are_rejected_with_their_places() -> None:
     with pytest.raises(InputError) as error:
         on_lines("G x * x < 3", "F (change(x) || rise(x > 1))", "x > 1")
     assert [(d.code, d.span.text) for d in error.value.diagnostics] == [
@@ -91,7 +91,7 @@ def test_products_changes_and_open_triggers_are_refused_with_their_places() -> N
     ]
 
 
-def test_bounds_that_leave_no_room_for_crossings_are_refused_at_the_formula() -> None:
+def test_bounds_that_leave_no_room_for_crossings_are_rejected_at_the_formula() -> None:
     with pytest.raises(InputError) as error:
         on_lines("F[0, 2e14] x > 5")
     assert [(d.code, d.span.start) for d in error.value.diagnostics] == [("E0903", 0)]

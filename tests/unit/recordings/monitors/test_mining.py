@@ -119,7 +119,7 @@ def test_bisection_finds_what_brute_force_finds(template: str) -> None:
             assert good == [value for value in grid if value < border or (value == border and found.attained)]
 
 
-def test_the_trace_that_makes_it_tight_is_told_with_its_instant() -> None:
+def test_the_trace_that_makes_it_tight_is_reported_with_its_instant() -> None:
     slow = {**TRACE, "q": [0, 0, 0, 0, 0, 0, 1, 0, 0, 1]}
     found = tachk.mine("G (rise(p) -> F[0, T] q)", [TRACE, slow, TRACE], {"T": ("0", "99.5")})
     assert (found.value, found.trace) == (11, "the trace")
@@ -145,7 +145,7 @@ def test_what_is_not_known_to_be_monotone_is_tried_value_by_value() -> None:
         tachk.mine("G (x == T)", [TRACE], {"T": (0, 10**9)})
 
 
-def test_what_is_open_at_the_end_is_told() -> None:
+def test_what_is_open_at_the_end_is_reported() -> None:
     trace = {"t": [0, 5], "p": [0, 1], "q": [0, 0]}
     found = tachk.mine("G (p -> F[0, T] q)", [trace], {"T": (0, 9)})
     assert (found.value, found.attained, found.undecided) == (0, False, ("the trace",))

@@ -154,7 +154,7 @@ def test_what_is_presumed_where_every_instant_up_to_the_end_is_open(
     assert verdict.presumably is not None and verdict.presumably.word == presumably
 
 
-def test_a_window_that_has_not_begun_is_told_so() -> None:
+def test_a_window_that_has_not_begun_is_reported_so() -> None:
     report = tachk.monitor("G F[1 s,2 s] !q", {"time": [0, 400], "q": [False] * 2}, unit="s")
     assert "`!q` has not been true in time yet" in report.to_text()
 
@@ -221,7 +221,7 @@ def test_bounds_finer_than_the_trace_refine_its_ticks() -> None:
     assert [v.truth.word for v in report] == ["false", "true", "false"]
 
 
-def test_times_are_told_as_the_clock_of_the_recording_shows_them() -> None:
+def test_times_are_reported_as_the_clock_of_the_recording_shows_them() -> None:
     shifted = {**TRACE, "t": [1700000000 + t for t in TRACE["t"]]}
     report = tachk.monitor("G (p -> F[0, 3 s] q)", shifted, unit="s")
     assert places(report) == ("1700000001 s", "1700000004 s", "1700000004 s")
@@ -305,7 +305,7 @@ def test_reports_can_be_sent_to_other_processes(interpolation: str) -> None:
 
 
 @pytest.mark.parametrize("formula", ["G (x > 5 -> F[0,1] y > 4)", "G F[0,2] y > 4"])
-def test_a_trace_is_read_for_explanations_when_they_are_asked_for(
+def test_a_trace_is_read_for_explanations_when_they_are_requested(
     formula: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
@@ -384,7 +384,7 @@ CHANGES: dict[str, tuple[str, Callable[[float], float]]] = {
         "G F[0, 2] (p && y > 2)",
     ],
 )
-def test_rows_that_are_looked_over_while_they_are_judged(row: int, change: str, formulas: str | list[str]) -> None:
+def test_rows_that_are_inspected_while_they_are_evaluated(row: int, change: str, formulas: str | list[str]) -> None:
     """What is reported is what it is if all rows are read first, also where a formula is decided before the fault."""
     arrays = plain_rows()
     name, changed = CHANGES[change]
@@ -417,7 +417,7 @@ def test_rows_that_are_looked_over_while_they_are_judged(row: int, change: str, 
         ("G !rise(x > 0.75)", "true"),
     ],
 )
-def test_of_rows_at_one_instant_the_last_counts_while_they_are_judged(row: int, formula: str, truth: str) -> None:
+def test_of_rows_at_one_instant_the_last_counts_while_they_are_evaluated(row: int, formula: str, truth: str) -> None:
     arrays = plain_rows()
     arrays["x"][9], arrays["x"][row] = 0.5, 1.0
     arrays["time"][row + 1 :] -= 0.25
@@ -435,7 +435,7 @@ def test_a_robustness_of_0_leaves_the_truth_open(formula: str, truth: str) -> No
 
 
 @pytest.mark.parametrize("given", [3, ["G (x > 1)", 7]])
-def test_what_is_no_formula_is_refused(given: Any) -> None:
+def test_what_is_no_formula_is_rejected(given: Any) -> None:
     with pytest.raises(UsageError, match=r"a formula cannot be a int|`formula` is 3, but it must be a text"):
         tachk.monitor(given, {"time": [0], "x": [1]})
 
@@ -519,7 +519,7 @@ def test_infinite_values_are_drawn(tmp_path: Path) -> None:
     tachk.monitor("G (y > 5)", {"time": [0, 1], "y": [math.inf, math.inf]}).plot(tmp_path / "b.svg")
 
 
-def test_a_text_that_no_row_has_is_told(tmp_path: Path) -> None:
+def test_a_text_that_no_row_has_is_reported(tmp_path: Path) -> None:
     trace = {"time": [0, 1, 2], "mode": ["idle", "busy", "idle"], "x": [1, 2, 3]}
     report = tachk.monitor(['G (mode != "idel")', 'F (mode == "busy")', 'G !("idel" == mode)'], trace)
     (warning,) = report.record.trace.warnings

@@ -71,7 +71,7 @@ def test_the_end_can_be_given_a_meaning() -> None:
         assert (verdict.truth.word, verdict.measured.word) == (truth, "undetermined")
 
 
-def test_refusals() -> None:
+def test_rejections() -> None:
     monitor = tachk.Monitor("G p", decimals=1)
     with pytest.raises(UsageError, match="no rows"):
         monitor.finish()
@@ -115,7 +115,7 @@ def test_the_end_agrees_with_the_judgement_of_the_whole(rows: list[tuple[int, bo
         assert verdict.story.trace.clock(found.cell // 2) == report.record.trace.clock(whole.finding.cell // 2)
 
 
-def test_values_that_are_none_or_not_a_number_stay_and_others_are_refused() -> None:
+def test_values_that_are_none_or_not_a_number_stay_and_others_are_rejected() -> None:
     monitor = tachk.Monitor("G (x < 5)")
     with pytest.raises(UsageError, match="'x' has no value yet"):
         monitor.update(0, x=float("nan"))
@@ -135,7 +135,7 @@ def test_a_truth_is_shown_as_a_word() -> None:
     assert (str(truth), f"{truth}") == ("undetermined", "undetermined")
 
 
-def test_a_time_too_far_away_to_be_counted_is_refused() -> None:
+def test_a_time_too_far_away_to_be_counted_is_rejected() -> None:
     monitor = tachk.Monitor("G p", decimals=9)
     monitor.update(0, p=1)
     with pytest.raises(UsageError, match="too far from the beginning") as refusal:
@@ -219,7 +219,7 @@ def test_clocks_may_show_the_time_since_1970(unit: str, times: list[float]) -> N
     assert monitor.record().begin == times[0]
 
 
-def test_times_that_differ_by_too_little_are_refused_and_change_nothing() -> None:
+def test_times_that_differ_by_too_little_are_rejected_and_change_nothing() -> None:
     monitor = tachk.Monitor("G (x < 5)", unit="s")
     monitor.update(0.0, x=1)
     with pytest.raises(UsageError, match=r"row 1, at 1e-11: .* differs from that of the row before") as refusal:
@@ -239,7 +239,7 @@ def test_floating_point_times_are_the_decimal_numbers_that_they_print_as(time: f
     assert monitor.record().begin == Fraction(tick, 10)
 
 
-def test_refusals_say_row_and_column() -> None:
+def test_rejections_say_row_and_column() -> None:
     monitor = tachk.Monitor(["G (x < 5)", "G (y < 5)"])
     monitor.update(0, x=1, y=1)
     with pytest.raises(UsageError, match="row 1, at 2: the value 'a' of column 'y' is not a number"):

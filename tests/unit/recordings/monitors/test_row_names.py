@@ -165,7 +165,7 @@ def test_the_tightest_heartbeat_is_mined() -> None:
     assert tachk.mine("G F[0, T] arrived(x)", [trace], {"T": (0, 10)}).value == 3
 
 
-def test_what_does_not_arrive_is_told() -> None:
+def test_what_does_not_arrive_is_reported() -> None:
     with pytest.raises(InputError) as refusal:
         tachk.monitor("G F[0, 5] arrived(speed)", {"time": [0, 1], "sped": [1, 2]})
     (found,) = refusal.value.diagnostics

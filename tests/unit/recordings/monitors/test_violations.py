@@ -71,7 +71,7 @@ def test_a_trigger_that_has_asked_in_vain_is_not_pending_as_well() -> None:
     assert report[0].violations.triggers == TriggerCounts(1, 1, 0)
 
 
-def test_each_violation_tells_its_trigger_and_its_deadline() -> None:
+def test_each_violation_reports_its_trigger_and_its_deadline() -> None:
     report = tachk.monitor("G (p -> F[0, 2 s] q)", TRACE, unit="s")
     rows = report.violation_rows()
     assert [(row["triggered_from"], row["deadline"], row["blamed"]) for row in rows] == [
@@ -83,7 +83,7 @@ def test_each_violation_tells_its_trigger_and_its_deadline() -> None:
     assert violations[:1][0].formula == "p -> F[0, 2] q"
 
 
-def test_json_counts_violations_and_lists_them_when_asked() -> None:
+def test_json_counts_violations_and_lists_them_when_requested() -> None:
     formulas = ["G (p -> F[0, 2 s] q)", "G (x < 5)", "G (x < 100)", "G (p -> F[0, 30 s] (x > 50))"]
     schema = json.loads(SCHEMA.read_text())
     report = tachk.monitor(formulas, TRACE, unit="s")
@@ -99,7 +99,7 @@ def test_json_counts_violations_and_lists_them_when_asked() -> None:
     assert found[1]["listed"][0]["blamed"] == [{"formula": "x < 5", "value": "false", "at": "11", "seen": {"x": "5"}}]
 
 
-def test_text_counts_violations_and_lists_them_when_asked() -> None:
+def test_text_counts_violations_and_lists_them_when_requested() -> None:
     report = tachk.monitor(["G (p -> F[0, 2 s] q)", "G (x < 5)", "G (x < 7)"], TRACE, unit="s")
     text = report.to_text()
     assert "2 of 4 triggers are violated, 1 pending" in text
@@ -108,7 +108,7 @@ def test_text_counts_violations_and_lists_them_when_asked() -> None:
     assert "16 s" in report.to_text(all_violations=True).partition("p2 is false")[2]
 
 
-def test_junit_tells_the_story_of_each_violation_when_asked() -> None:
+def test_junit_reports_the_story_of_each_violation_when_requested() -> None:
     record = tachk.monitor("G (rise(p) -> F[0, 2 s] q)", TRACE, unit="s").record
     for listed, number in ((False, 1), (True, 2)):
         suite = ElementTree.fromstring(monitor_to_junit(record, all_violations=listed).partition("\n")[2])
@@ -140,7 +140,7 @@ def taken(monitor: tachk.Monitor) -> list[tuple[str, float, float | None]]:
     ]
 
 
-def test_violations_are_told_row_by_row_when_they_begin_and_when_they_end() -> None:
+def test_violations_are_reported_row_by_row_when_they_begin_and_when_they_end() -> None:
     monitor = tachk.Monitor(["G (x < 5)", "F[0, 2] (x < 0)"], all_violations=True)
     assert monitor.update(10, x=1) is tachk.Truth.UNDETERMINED
     monitor.update(11, x=6)

@@ -98,7 +98,7 @@ def test_times_of_32_bits_are_the_decimals_that_they_print_as() -> None:
     assert trace.clock(int(trace.times[1])) == Fraction(1, 10)
 
 
-def test_row_by_row_a_finer_exact_time_is_refused(tmp_path: Path) -> None:
+def test_row_by_row_a_finer_exact_time_is_rejected(tmp_path: Path) -> None:
     path = written(tmp_path / "a.csv", ["0", "0.0000000001"])
     with pytest.raises(InputError):
         run_monitor(

@@ -214,14 +214,14 @@ def test_cells_mean_the_same_row_by_row(
 
 @pytest.mark.parametrize("values", [[True, 2, 3, False], [2, True, 3, False]])
 @pytest.mark.parametrize("form", ["CSV", "JSON lines", "lists", "data frame", "MCAP"])
-def test_truth_values_beside_numbers_are_refused(tmp_path: Path, form: str, values: list[Any]) -> None:
+def test_truth_values_beside_numbers_are_rejected(tmp_path: Path, form: str, values: list[Any]) -> None:
     with pytest.raises((InputError, UsageError), match="truth values"):
         tachk.monitor("F (x.v > 1)", FORMATS[form](tmp_path, "x.v", values))
 
 
 @pytest.mark.parametrize("values", [[1, "b", 2, "c"], ["b", 1, "c", 2]])
 @pytest.mark.parametrize("form", ["JSON lines", "lists", "data frame", "MCAP"])
-def test_texts_beside_numbers_are_refused(tmp_path: Path, form: str, values: list[Any]) -> None:
+def test_texts_beside_numbers_are_rejected(tmp_path: Path, form: str, values: list[Any]) -> None:
     with pytest.raises(UsageError, match=r"texts?, and|and the text 'b'"):
         tachk.monitor('F (x.v == "b")', FORMATS[form](tmp_path, "x.v", values))
 

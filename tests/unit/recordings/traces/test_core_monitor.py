@@ -107,7 +107,7 @@ def test_columns_are_found_by_name() -> None:
         core_monitor.monitor_truth(response(20), Trace("pulses", np.array([0]), {"x": np.array([0.0])}, 1))
 
 
-def test_wrong_input_is_refused() -> None:
+def test_wrong_input_is_rejected() -> None:
     monitor = TruthMonitor(response(20))
     flags, numbers = np.zeros(2, np.uint8), np.zeros(2)
     with pytest.raises(ValueError, match="must not decrease"):
@@ -139,7 +139,7 @@ def test_time_robustness_is_the_slack_of_the_response() -> None:
     assert linear_monitor.robustness(response(25), trace(), Measure.BEHIND) == RobustnessResult(-20, -15)
 
 
-def test_crossings_are_told_in_parts_of_a_tick() -> None:
+def test_crossings_are_reported_in_parts_of_a_tick() -> None:
     slope = Trace("slope", np.array([0, 3]), {"p": np.ones(2, np.uint8), "x": np.array([0.0, 1.0])}, 3)
     assert linear_monitor.parts_of_tick([response(4)], slope) == 1_000_000
     (signal,) = linear_monitor.truth_signals_on_lines(response(4), slope, [2], 1000)

@@ -131,7 +131,7 @@ def test_a_file_that_is_cut_anywhere(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_the_command_refuses_what_it_cannot_read(name: str, tmp_path: Path) -> None:
+def test_the_command_rejects_what_it_cannot_read(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_bytes(KINDS[name](tmp_path)[:25])
     result = CliRunner().invoke(app, ["monitor", "G (a.x > 0)", str(path)])

@@ -191,7 +191,7 @@ def test_infinite_values(tmp_path: Path, word: str) -> None:
         ("SEP=,", ","),
     ],
 )
-def test_the_line_that_tells_a_spreadsheet_its_separator(tmp_path: Path, told: str, separator: str) -> None:
+def test_the_line_that_gives_a_spreadsheet_its_separator(tmp_path: Path, told: str, separator: str) -> None:
     path = tmp_path / "a.csv"
     path.write_text(f"{told}\r\n" + "".join(f"{a}{separator}{b}\r\n" for a, b in (("time", "x"), (0, 1), (2, 3))))
     assert open_trace(path).read().columns["x"].tolist() == [1, 3]

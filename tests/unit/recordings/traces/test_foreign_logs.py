@@ -51,7 +51,7 @@ MESSAGES: list[tuple[str, int, object]] = [
 ]
 
 
-def test_fields_of_messages_of_json_are_columns_and_only_those_asked_for_are_read(tmp_path: Path) -> None:
+def test_fields_of_messages_of_json_are_columns_and_only_those_requested_are_read(tmp_path: Path) -> None:
     path = write_mcap(tmp_path / "log.mcap", [*MESSAGES, ("/image", BEGIN + 5 * SECOND, b"no json")])
     formulas = [
         "G (car.drive.speed > 9 -> F[0, 1 s] brake.force >= 2)",
@@ -88,7 +88,7 @@ def test_what_messages_say_of_their_time_may_be_out_of_order(tmp_path: Path) -> 
     assert truths([text.replace("x ==", "a.x ==") for text in formulas], path, time="t") == ["true"] * 4
 
 
-def test_what_is_wrong_in_a_file_of_messages_is_told(tmp_path: Path) -> None:
+def test_what_is_wrong_in_a_file_of_messages_is_reported(tmp_path: Path) -> None:
     path = write_mcap(tmp_path / "log.mcap", MESSAGES)
     with pytest.raises(UsageError, match="has no column 'car\\.drive\\.sped'") as error:
         open_trace(path).read(["car.drive.sped"])
@@ -210,7 +210,7 @@ def test_data_sets_of_hdf5_are_columns_with_the_time_of_their_group(tmp_path: Pa
     assert truths(["G (slow.heat < 30)"], path, time="slow/Timestamp") == ["false"]
 
 
-def test_hdf5_without_times_is_refused_with_advice(tmp_path: Path) -> None:
+def test_hdf5_without_times_is_rejected_with_advice(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "log.h5"
     with h5py.File(path, "w") as file:

@@ -146,7 +146,7 @@ WRONG_DATES = [
 
 
 @pytest.mark.parametrize("text", WRONG_DATES)
-def test_what_is_no_date_is_refused(text: str) -> None:
+def test_what_is_no_date_is_rejected(text: str) -> None:
     recording = open_csv_stream(io.BytesIO(f"time,x\n2000-02-29,1\n{text},1\n".encode()), "-")
     with pytest.raises(InputError) as error:
         recording.read(["x"])
@@ -177,7 +177,7 @@ def test_a_stream_of_many_texts_keeps_few(tmp_path: Path) -> None:
 
 
 @given(st.integers(-62_135_596_800 * 10**9, 253_402_300_799 * 10**9))
-def test_dates_are_told_as_they_are_read(nanoseconds: int) -> None:
+def test_dates_are_reported_as_they_are_read(nanoseconds: int) -> None:
     seconds = Fraction(nanoseconds, 10**9)
     assert seconds_of(date_text(seconds)) == seconds
 
@@ -187,7 +187,7 @@ def test_deadline_behind_the_last_date() -> None:
 
 
 @pytest.mark.parametrize("form", ["csv", "jsonl", "rows", "frame", "joined"])
-def test_reports_of_logs_with_dates_tell_dates(form: str, tmp_path: Path) -> None:
+def test_reports_of_logs_with_dates_report_dates(form: str, tmp_path: Path) -> None:
     dates = ["2026-03-01T12:00:00Z", "2026-03-01T13:00:00.25+01:00"]
     path = tmp_path / ("log.jsonl" if form == "jsonl" else "log.csv")
     lines = [json.dumps({"time": date, "n": n}) if form == "jsonl" else f"{date},{n}" for n, date in enumerate(dates)]

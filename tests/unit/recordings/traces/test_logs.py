@@ -69,7 +69,7 @@ def test_columns_of_texts_are_compared_in_every_format(tmp_path: Path) -> None:
     assert truths(FORMULAS, lines, unit="s") == EXPECTED
 
 
-def test_the_values_of_texts_are_told_and_have_no_robustness(tmp_path: Path) -> None:
+def test_the_values_of_texts_are_reported_and_have_no_robustness(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text(CSV)
     report = tachk.monitor('G (mode != "busy")', path)

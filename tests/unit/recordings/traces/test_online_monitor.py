@@ -138,7 +138,7 @@ def test_memory_does_not_grow_with_the_trace(window: int) -> None:
     assert sizes[-1] <= 1.5 * sizes[30]
 
 
-def test_a_refused_call_changes_nothing() -> None:
+def test_a_rejected_call_changes_nothing() -> None:
     monitor = online("G x > 0")
     with pytest.raises(ValueError, match="not begun"):
         monitor.finish(0)

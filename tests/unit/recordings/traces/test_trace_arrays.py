@@ -94,7 +94,7 @@ def test_different_times_stay_different() -> None:
 
 
 @pytest.mark.parametrize("times", [[0, 2**62, -(2**63), 1], [5, 2**63 - 1, 6], [2**63 - 1, 2**63 - 1]])
-def test_whole_times_that_are_too_large_or_fall_are_refused(times: list[int]) -> None:
+def test_whole_times_that_are_too_large_or_fall_are_rejected(times: list[int]) -> None:
     with pytest.raises(UsageError, match=r"lies before|too large"):
         exact_ticks(np.array(times, dtype=np.int64), "t")
 
@@ -136,13 +136,13 @@ def test_fractions_are_exact() -> None:
         ({"t": [0], "p": [[1]]}, "not a one-dimensional array"),
     ],
 )
-def test_refusals(data: Any, message: str) -> None:
+def test_rejections(data: Any, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         open_trace(data).read()
 
 
 @pytest.mark.parametrize("row", [1, 1023, 1024, 1025, 2048, 2999])
-def test_a_time_before_the_one_above_is_refused_wherever_it_stands(row: int) -> None:
+def test_a_time_before_the_one_above_is_rejected_wherever_it_stands(row: int) -> None:
     times = np.arange(3000) / 4
     times[row] = times[row - 1] - 0.25
     with pytest.raises(UsageError, match="lies before"):

@@ -116,7 +116,7 @@ def test_the_examples_of_the_explanations(code: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "\n# nothing\n", "time,p\n", "time,p,p\n0,1,1\n", "time [fortnight],p\n0,1\n"])
-def test_what_is_no_trace_is_refused(text: str) -> None:
+def test_what_is_no_trace_is_rejected(text: str) -> None:
     with pytest.raises(UsageError):
         read(text)
 
@@ -200,7 +200,7 @@ def test_blocks_give_the_rows_of_the_whole(tmp_path: Path) -> None:
         assert np.concatenate([block.columns[name] for block in blocks]).tolist() == whole.columns[name].tolist()
 
 
-def test_blocks_refuse_times_that_are_finer_than_said(tmp_path: Path) -> None:
+def test_blocks_reject_times_that_are_finer_than_said(tmp_path: Path) -> None:
     path = tmp_path / "fine.csv"
     path.write_text("t,x\n0.5,1\n0.75,1\n")
     blocks = open_csv(path).blocks(["x"], 1)
@@ -228,7 +228,7 @@ def test_advice_on_cells(text: str, help: str) -> None:
     assert help in (error.value.diagnostics[0].help or "")
 
 
-def test_a_unit_that_contradicts_the_trace_is_refused() -> None:
+def test_a_unit_that_contradicts_the_trace_is_rejected() -> None:
     text = "time [ms],a\n0,1\n"
     with pytest.raises(UsageError, match="are in ms, not in s"):
         read(text, unit="s")
@@ -240,7 +240,7 @@ def test_a_header_that_cannot_be_cut() -> None:
         read("time a b\n0 1 2\n")
 
 
-def test_a_carriage_return_among_the_names_is_refused(tmp_path: Path) -> None:
+def test_a_carriage_return_among_the_names_is_rejected(tmp_path: Path) -> None:
     path = tmp_path / "old.csv"
     path.write_bytes(b"time,p\r0,1\r1,0\n")
     with pytest.raises(UsageError, match=r"the names of the columns of .*old\.csv cannot be read"):

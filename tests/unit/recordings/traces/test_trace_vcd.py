@@ -111,7 +111,7 @@ def test_mistakes_have_their_place(tmp_path: Path, text: str, column: str, place
     assert str(diagnostic.span).startswith(f"{tmp_path / 'wave.vcd'}:{place}")
 
 
-def test_refusals(tmp_path: Path) -> None:
+def test_rejections(tmp_path: Path) -> None:
     path = write(tmp_path, HEAD + BODY)
     with pytest.raises(UsageError, match=r"no column 'top\.clock'"):
         open_trace(path).read(["top.clock"])
@@ -124,7 +124,7 @@ def test_refusals(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("kind", "value"), [("wire", "b10"), ("integer", "b11111111111111111111111111111110")])
-def test_a_value_of_more_bits_than_its_variable_is_refused(tmp_path: Path, kind: str, value: str) -> None:
+def test_a_value_of_more_bits_than_its_variable_is_rejected(tmp_path: Path, kind: str, value: str) -> None:
     text = f"$timescale 1 ns $end\n$var {kind} 1 ! p $end\n$enddefinitions $end\n#0\n{value} !\n#5\n"
     with pytest.raises(InputError) as found:
         read(tmp_path, text, ["p"])

@@ -114,7 +114,7 @@ def test_how_far_a_formula_looks() -> None:
     assert memory(program) == 7
 
 
-def test_stretches_and_searches_of_a_signal() -> None:
+def test_segments_and_searches_of_a_signal() -> None:
     signal = NodeSignal(np.array([0, 3, 5, 9]), np.array([0, 1, 1, 2], dtype=np.uint8), 12)
     assert signal.stretches() == [(0, 2, Truth.FALSE), (3, 8, Truth.TRUE), (9, 11, Truth.UNDETERMINED)]
     assert [signal.at(cell) for cell in (2, 3, 8, 11, 12)] == [

@@ -32,7 +32,7 @@ def test_the_edges_that_a_recording_takes_are_counted_in_the_picture(tmp_path: P
 
 
 @pytest.mark.parametrize(("text", "said"), [("{}", "contains no coverage"), ("[", "Expecting value")])
-def test_another_file_tells_no_coverage(tmp_path: Path, text: str, said: str):
+def test_another_file_shows_no_coverage(tmp_path: Path, text: str, said: str):
     path = tmp_path / "other.json"
     path.write_text(text)
     drawn = CliRunner().invoke(app, ["draw", str(DIMMER / "dimmer.ta"), "--coverage", str(path)])

@@ -225,7 +225,7 @@ system A, B, C, D;
         (["A", "B"], "the clock x"),
     ],
 )
-def test_what_cannot_be_taken_apart_is_refused(names: list[str], told: str) -> None:
+def test_what_cannot_be_taken_apart_is_rejected(names: list[str], told: str) -> None:
     network = tachk.loads(BOUND).network
     with pytest.raises(UsageError, match=told):
         open_unit(network, names, "part", clocks=True)

@@ -219,7 +219,7 @@ def test_what_a_master_may_not_do_is_an_error(running: FMU3Slave, wrong: Any) ->
         wrong(running)
 
 
-def test_a_description_of_another_network_is_refused(unit: CoSimulationUnit, tmp_path: Path) -> None:
+def test_a_description_of_another_network_is_rejected(unit: CoSimulationUnit, tmp_path: Path) -> None:
     slave = FMU3Slave(
         guid="0" * 32,
         unzipDirectory=extract(unit, FmiVersion.THREE, tmp_path),

@@ -140,7 +140,7 @@ def test_estimate_answers_the_same() -> None:
     assert (found.low, found.high) == (again.low, again.high)  # type: ignore[union-attr]
 
 
-def test_runs_that_are_told_obey_the_limit_on_memory() -> None:
+def test_runs_that_are_reported_obey_the_limit_on_memory() -> None:
     text = "int n = 0; process P() { init location a { to a { select i : int[0, 9]; assign n = i; } } } system P;"
     loaded = tachk.loads(text + " property p : simulate [<=1000; 1000000] {n};").loaded
     limits = Limits(seconds=100, memory_bytes=50 << 20)

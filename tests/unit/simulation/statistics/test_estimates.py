@@ -170,7 +170,7 @@ def test_runs_that_are_given_up_count_as_both() -> None:
     assert isinstance(tested, Decided) and tested.decision is Decision.UNKNOWN
 
 
-def test_run_time_errors_are_told() -> None:
+def test_run_time_errors_are_reported() -> None:
     found = probability("int[0, 2] n; process P() { init location A { to A { assign n = n + 1; } } } system P;",
                         "Pr[<=100](<> n == 7)", replace(SURE, runs=10))  # fmt: skip
     assert found.sample.unknown == 10 and (found.low, found.high) == (0, 1)

@@ -75,7 +75,7 @@ def test_fields_beside_a_hybrid_clock_are_no_hybrid_clocks() -> None:
         tachk.loads(text).estimate("simulate [<=1; 1] {c.d}")
 
 
-def test_verify_refuses_them() -> None:
+def test_verify_rejects_them() -> None:
     model = tachk.loads(RECORDS)
     with pytest.raises(tachk.UnsupportedError, match="hybrid clocks are not supported"):
         assert model.network

@@ -44,7 +44,7 @@ def test_each_run_has_its_own() -> None:
     assert mean.asymptotic[0] <= 21 <= mean.asymptotic[1]
 
 
-def test_the_seed_and_the_number_of_the_run_tell_them() -> None:
+def test_the_seed_and_the_number_of_the_run_determine_them() -> None:
     def values(seed: int, threads: int) -> list[float]:
         drawn = tachk.loads(MODEL).estimate("simulate [<=1; 20] {d}", seed=seed, threads=threads)[0]
         assert isinstance(drawn, DrawnRuns)
@@ -62,7 +62,7 @@ def test_a_value_outside_its_range_ends_the_run() -> None:
     assert 400 < found.sample.unknown < 600
 
 
-def test_a_search_refuses_them() -> None:
+def test_a_search_rejects_them() -> None:
     model = tachk.loads(MODEL)
     with pytest.raises(tachk.UnsupportedError, match="random initial values are for simulations only"):
         assert model.network

@@ -167,7 +167,7 @@ def test_levels_are_distances() -> None:
 
 
 @pytest.mark.parametrize("query", ["Pr[<=5](<> n == 3 && n == 4)", "Pr[<=5]([] n < 3)"])
-def test_what_has_no_levels_is_refused(query: str) -> None:
+def test_what_has_no_levels_is_rejected(query: str) -> None:
     with pytest.raises(UsageError):
         rare(ARRIVALS, query)
 

@@ -35,6 +35,6 @@ def test_it_answers_others_with_floating_point_variables() -> None:
     assert isinstance(answer, Estimated) and answer.sample.runs == 200 and answer.low < 0.75 < answer.high
 
 
-def test_what_asks_for_no_probability_is_refused() -> None:
+def test_what_asks_for_no_probability_is_rejected() -> None:
     with pytest.raises(UsageError):
         tachk.loads(TEXT).estimate("E<> P.B")

@@ -249,7 +249,7 @@ def test_hidden_processes_may_be_left_out() -> None:
     assert 4 in replayed.trace.states[-1].discrete.values
 
 
-def test_other_files_are_refused(tmp_path: Path) -> None:
+def test_other_files_are_rejected(tmp_path: Path) -> None:
     for name, text in (
         ("a.xtr", "0 0 0\n.\n"),
         ("a.json", '{"runs": []}'),

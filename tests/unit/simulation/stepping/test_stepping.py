@@ -70,7 +70,7 @@ def test_windows_say_when_transitions_are_enabled() -> None:
     assert enough(asked > 100)
 
 
-def test_windows_are_told_as_intervals() -> None:
+def test_windows_are_reported_as_intervals() -> None:
     three, five = Fraction(3), Fraction(5)
     assert [str(window) for window in (DelayWindow(three, five), DelayWindow(three, five, False, False))] == [
         "[3, 5]",

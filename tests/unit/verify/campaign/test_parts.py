@@ -74,7 +74,7 @@ def test_what_is_no_part_of_the_sweep(model: tachk.Model, tmp_path: Path) -> Non
             model.sweep(over="T=1..2", property="reach", part=part)
 
 
-def test_runs_are_judged_in_each_cell(model: tachk.Model) -> None:
+def test_runs_are_evaluated_in_each_cell(model: tachk.Model) -> None:
     found = model.sweep(over="T=1..3", monitor="F[0,3] P.B", until="10", runs=300, seed=4, processes=1)
     assert [row["property"] for row in found.rows] == ["p1"] * 3
     for row in found.rows:

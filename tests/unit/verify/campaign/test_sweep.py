@@ -119,7 +119,7 @@ def test_a_program_from_standard_input_sweeps(counter: Path) -> None:
     assert ended.stdout.endswith("<stdin>\n")
 
 
-def test_a_program_without_a_guard_is_told_of_it(counter: Path, tmp_path: Path) -> None:
+def test_a_program_without_a_guard_is_warned_of_it(counter: Path, tmp_path: Path) -> None:
     """It would run again in each process."""
     program = tmp_path / "program.py"
     program.write_text(f"import tachk\ntachk.load({str(counter)!r}).sweep(over=['MOST=2,3'], processes=1)\n")

@@ -88,7 +88,7 @@ def test_findings(texts: list[str], expected: list[tuple[str, str, str]]) -> Non
     assert findings(*texts) == expected
 
 
-def test_a_collision_is_told_by_a_run() -> None:
+def test_a_collision_is_reported_by_a_run() -> None:
     (finding,) = analysed("G (rise(p) -> F[0,5] q)", "G (rise(r) -> G[0,10] !q)").findings
     assert [moment.time for moment in finding.run] == [0, 5]
     assert finding.run[0].values == {"p": "true", "q": "false", "r": "true"}
@@ -103,7 +103,7 @@ def test_a_signal_is_a_truth_value_or_a_number() -> None:
 @pytest.mark.parametrize(
     "text", ["G (p -> F q)", "G (p -> F[2,5] q)", "G (x + 1 > 3 -> q)", "G (x > y)", "G (change(x) -> q)", "p U q"]
 )
-def test_what_is_not_followed_is_told(text: str) -> None:
+def test_what_is_not_followed_is_reported(text: str) -> None:
     analysis = analysed(text, "G (r -> F[0,2] s)")
     assert not analysis.findings
     (reason,) = analysis.undecided

@@ -91,7 +91,7 @@ def test_constants_of_the_file_are_no_signals(tmp_path: Path) -> None:
         run_requirements(str(file), output=output, definitions=("M=2",))
 
 
-def test_what_demands_forbid_together_is_told_of_both(tmp_path: Path) -> None:
+def test_what_demands_forbid_together_is_reported_for_both(tmp_path: Path) -> None:
     file, output = tmp_path / "set.stl", tmp_path / "found.txt"
     file.write_text("a: G (p -> q)\nb: G (p -> !q)\n", encoding="utf-8")
     assert run_requirements(str(file), output=output) is ExitStatus.NOT_AS_EXPECTED

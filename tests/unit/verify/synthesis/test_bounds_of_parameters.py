@@ -169,14 +169,14 @@ def test_the_sign_of_a_factor_must_be_known() -> None:
     assert isinstance(found(edge="guard x <= S * P + 50;", box=(-3, 3)), NoBound)
 
 
-def test_the_place_of_what_is_in_the_way_is_told() -> None:
+def test_the_place_of_what_is_in_the_way_is_reported() -> None:
     reason = found(edge="guard x == P;")
     assert isinstance(reason, NoBound)
     assert reason.span.text == "P"
     assert "==" in reason.reason
 
 
-def test_constants_are_told_apart() -> None:
+def test_constants_are_distinguished() -> None:
     assert found(edge="guard x <= P && x >= S;", name="S") is ParameterBound.LOWER
     assert found(edge="guard x <= P && x >= S;", name="P") is ParameterBound.UPPER
 

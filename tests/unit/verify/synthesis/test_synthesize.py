@@ -48,12 +48,12 @@ def test_ranges_are_read() -> None:
 @pytest.mark.parametrize(
     "text", ["A", "A=", "A=1-5", "A=1..", "A=5..1", "A=1..5:0", "A=1..2,A=1..2", "A=0..2000000", ""]
 )
-def test_other_ranges_are_refused(text: str) -> None:
+def test_other_ranges_are_rejected(text: str) -> None:
     with pytest.raises(UsageError):
         parameters_from([text])
 
 
-def test_unknown_names_are_refused() -> None:
+def test_unknown_names_are_rejected() -> None:
     model = loads(MODEL)
     with pytest.raises(UsageError):
         model.synthesize(over="Z=1..2", property="never")
@@ -96,7 +96,7 @@ def test_a_bound_of_a_formula_is_tried_value_by_value() -> None:
     assert region.searched + sum(cell.evidence is not CellEvidence.SEARCH for cell in region.cells) == 9
 
 
-def test_a_query_that_cannot_be_decided_is_refused_once() -> None:
+def test_a_query_that_cannot_be_decided_is_rejected_once() -> None:
     text = MODEL.replace("chan c;", "urgent chan c;").replace("&& ON; }", "&& ON; sync c!; }")
     text = text.replace("system P;", "process Q() { init location s { to s { sync c?; } } }\nsystem P, Q;")
     with pytest.raises(UnsupportedError):

@@ -85,7 +85,7 @@ def options(processes: tuple[str, ...]) -> list[str]:
     return [word for name in processes for word in ("--process", name)]
 
 
-def test_a_client_writes_to_the_agent_that_it_is_told(tmp_path: Path) -> None:
+def test_a_client_writes_to_the_agent_that_it_is_given(tmp_path: Path) -> None:
     capture = tmp_path / "session.pcap"
     with closing(Other(AGENT, None)) as agent:
         place = str(agent.socket.address)
@@ -101,7 +101,7 @@ def test_a_client_writes_to_the_agent_that_it_is_told(tmp_path: Path) -> None:
     assert recorded[0].kind is SubmessageKind.CREATE_CLIENT
 
 
-def test_an_agent_answers_at_the_port_that_it_is_told() -> None:
+def test_an_agent_answers_at_the_port_that_it_is_given() -> None:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]

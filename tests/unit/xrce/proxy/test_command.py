@@ -77,7 +77,7 @@ def test_wrong_options_get_a_message(
         ("delay WRITE_DATA until DATA", 0, "not sent any more: packet 1 on 19001 client->agent\n"),
     ],
 )
-def test_the_end_tells_how_often_each_rule_applied(
+def test_the_end_reports_how_often_each_rule_applied(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rule: str, status: int, told: str
 ) -> None:
     from tachk.xrce.messages import Endpoint

@@ -157,7 +157,7 @@ def test_channels_may_stand_there_by_numbers_and_copies_are_duplicates() -> None
         (report(state("deliver[PUB_UP][DATA]", "l", "writer")), "delivers WRITE_DATA that was not sent"),
     ],
 )
-def test_what_is_no_run_of_a_model_is_refused(document: object, message: str) -> None:
+def test_what_is_no_run_of_a_model_is_rejected(document: object, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         read_run(document, "t.json")
 

@@ -125,7 +125,7 @@ def test_wrong_rules(text: str, column: int, code: str, message: str) -> None:
     assert code in all_explanations()
 
 
-def test_every_wrong_line_is_told() -> None:
+def test_every_wrong_line_is_reported() -> None:
     with pytest.raises(InputError) as raised:
         parse_script(Source("script", "drp DATA\ndrop DATA\ndrop DAT"))
     assert [found.help for found in raised.value.diagnostics] == ["did you mean drop?", "did you mean DATA?"]

@@ -1,7 +1,7 @@
-"""Random models of two halves that hardly touch: each sends over a lossy link, and both draw on one budget of losses.
+"""Random models of two components that hardly touch: each sends over a lossy link, and both count losses together.
 
 What passes between sender, link and receiver are broadcasts with a meta variable; counters, flags and channels are
-arrays with an element for each half. Now and then something joins the halves, or makes the budget none.
+arrays with an element for each component. Now and then something joins them, or makes the counter none.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from tachk.verify.verdict import Answer, Verdict
 
 
 @dataclass(frozen=True)
-class Halves:
+class IndependentComponents:
     text: str
     queries: tuple[str, ...]
 
 
-def random_halves(random: Random) -> Halves:
+def random_components(random: Random) -> IndependentComponents:
     def rarely(text: str, otherwise: str = "", share: float = 0.05) -> str:
         return text if random.random() < share else otherwise
 
     processes = [
-        _sender(random, half, rarely) + _link(random, half, rarely) + _receiver(random, half, rarely) for half in (0, 1)
+        _sender(random, own, rarely) + _link(random, own, rarely) + _receiver(random, own, rarely) for own in (0, 1)
     ]
-    order = [f"{name}{half}" for name in ("Sender", "Link", "Receiver") for half in (0, 1)]
+    order = [f"{name}{own}" for name in ("Sender", "Link", "Receiver") for own in (0, 1)]
     random.shuffle(order)
     text = f"""
     const int LOSSES = {random.randint(1, 2)};
@@ -46,16 +46,16 @@ def random_halves(random: Random) -> Halves:
     {"".join(processes)}
     system {", ".join(order)};
     """
-    half = random.randint(0, 1)
-    waits = f"Sender{half}.Waiting"
+    own = random.randint(0, 1)
+    waits = f"Sender{own}.Waiting"
     queries = (
-        f"A[] got[{half}] <= sent[{half}]",
-        f"A[] got[{half}] <= {random.randint(0, 2)}",
-        f"E<> Receiver{half}.Done && got[{half}] {random.choice(['== 0', '> 2', '== 1'])}",
-        f"E<> Sender{half}.Waiting && {random.choice(['losses == 0', f'sent[{half}] == 0', f'got[{half}] == 2'])}",
-        random.choice(["E<> deadlock", f"A<> Receiver{half}.Done", f"{waits} --> Sender{half}.Idle", f"E[] !{waits}"]),
+        f"A[] got[{own}] <= sent[{own}]",
+        f"A[] got[{own}] <= {random.randint(0, 2)}",
+        f"E<> Receiver{own}.Done && got[{own}] {random.choice(['== 0', '> 2', '== 1'])}",
+        f"E<> Sender{own}.Waiting && {random.choice(['losses == 0', f'sent[{own}] == 0', f'got[{own}] == 2'])}",
+        random.choice(["E<> deadlock", f"A<> Receiver{own}.Done", f"{waits} --> Sender{own}.Idle", f"E[] !{waits}"]),
     )
-    return Halves(text, queries)
+    return IndependentComponents(text, queries)
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Comparison:
     faults: int
 
 
-def compare(case: Halves, limits: Limits) -> Comparison:
+def compare(case: IndependentComponents, limits: Limits) -> Comparison:
     """Whether leaving out a part of a model changes an answer, or hides a run-time error without saying so."""
     model = loads(case.text)
     everything = Options().off("unblocked", "sliced", "cone")
@@ -89,7 +89,7 @@ def compare(case: Halves, limits: Limits) -> Comparison:
     )
 
 
-def _answers(model: Model, case: Halves, options: Options, limits: Limits) -> list[Verdict]:
+def _answers(model: Model, case: IndependentComponents, options: Options, limits: Limits) -> list[Verdict]:
     return [verdict for query in case.queries for verdict in model.verify(query, options=options, limits=limits)]
 
 
@@ -106,71 +106,71 @@ def _problems(part: Verdict, whole: Verdict) -> list[str]:
     return []
 
 
-def _sender(random: Random, half: int, rarely: Callable[..., str]) -> str:
+def _sender(random: Random, own: int, rarely: Callable[..., str]) -> str:
     period = random.randint(1, 3)
-    index = rarely("place", str(half))
+    index = rarely("place", str(own))
     return f"""
-    process Sender{half}() {{
+    process Sender{own}() {{
         clock x;
         init location Idle {{
             invariant x <= {period}{rarely(" || losses >= 1")};
             to Idle {{
-                guard x >= {random.randint(0, period)} && sent[{half}] < 3{rarely(" && losses < LOSSES")};
+                guard x >= {random.randint(0, period)} && sent[{own}] < 3{rarely(" && losses < LOSSES")};
                 sync send[{index}]!;
-                assign number = sent[{half}], sent[{half}] = sent[{half}] + 1, x = 0;
+                assign number = sent[{own}], sent[{own}] = sent[{own}] + 1, x = 0;
             }}
-            to Waiting {{ guard sent[{half}] == {random.randint(1, 3)}; {rarely(f"sync hand[{1 - half}]!;")} }}
+            to Waiting {{ guard sent[{own}] == {random.randint(1, 3)}; {rarely(f"sync hand[{1 - own}]!;")} }}
             {rarely("to Idle { assign losses = 0; }")}
         }}
         {rarely("urgent ", share=0.2)}location Waiting {{
-            to Idle {{ sync answer[{half}]?; assign x = 0; }}
+            to Idle {{ sync answer[{own}]?; assign x = 0; }}
             {rarely("to Idle { guard losses >= 1; assign x = 0, place = 1; }")}
         }}
     }}
     """
 
 
-def _link(random: Random, half: int, rarely: Callable[..., str]) -> str:
+def _link(random: Random, own: int, rarely: Callable[..., str]) -> str:
     lost = random.choice(["losses < LOSSES", "can_lose()", "losses < LOSSES && !deaf[{0}]", "losses <= LOSSES - 1"])
     lost = rarely("losses < LOSSES || deaf[sent[{0}]]", lost)
     raised = random.choice(["losses = losses + 1", "losses += 1", "losses++"])
-    deaf = f"to Empty {{ guard deaf[{half}]; sync send[{half}]?; }}"
+    deaf = f"to Empty {{ guard deaf[{own}]; sync send[{own}]?; }}"
     safe = random.choice(
         [
-            f"to Full {{ sync send[{half}]?; assign kept = number; }}",
-            f"to Full {{ guard !deaf[{half}]; sync send[{half}]?; assign kept = number; }} {deaf}",
-            rarely(f"to Full {{ guard deaf[{half}]; sync send[{half}]?; }}", f"to Full {{ sync send[{half}]?; }}", 0.3),
+            f"to Full {{ sync send[{own}]?; assign kept = number; }}",
+            f"to Full {{ guard !deaf[{own}]; sync send[{own}]?; assign kept = number; }} {deaf}",
+            rarely(f"to Full {{ guard deaf[{own}]; sync send[{own}]?; }}", f"to Full {{ sync send[{own}]?; }}", 0.3),
         ]
     )
     return f"""
-    process Link{half}() {{
+    process Link{own}() {{
         int[0, 3] kept = 0;
         init location Empty {{
             {safe}
-            to Empty {{ guard {lost.format(half)}; sync send[{half}]?; assign {rarely("losses = 1", raised)}; }}
+            to Empty {{ guard {lost.format(own)}; sync send[{own}]?; assign {rarely("losses = 1", raised)}; }}
         }}
         {random.choice(["urgent ", "committed ", ""])}location Full {{
-            to Empty {{ sync deliver[{half}]!; assign number = kept, kept = 0; }}
-            {random.choice(["", f"to Full {{ sync send[{half}]?; }}"])}
+            to Empty {{ sync deliver[{own}]!; assign number = kept, kept = 0; }}
+            {random.choice(["", f"to Full {{ sync send[{own}]?; }}"])}
         }}
     }}
     """
 
 
-def _receiver(random: Random, half: int, rarely: Callable[..., str]) -> str:
-    received = rarely(str(1 - half), str(half))
+def _receiver(random: Random, own: int, rarely: Callable[..., str]) -> str:
+    received = rarely(str(1 - own), str(own))
     more = rarely(" + 0 * losses") + rarely(" + 1")
     return f"""
-    process Receiver{half}() {{
+    process Receiver{own}() {{
         clock y;
         init location Ready {{
-            to Busy {{ sync deliver[{received}]?; assign got[{half}] = number{more}, y = 0; }}
-            to Ready {{ guard y > 2; assign deaf[{rarely("place", str(half))}] = !deaf[{half}], y = 0; }}
-            to Done {{ guard got[{half}] == {random.randint(1, 2)}{rarely(" && losses == LOSSES")}; }}
-            {rarely(f"to Done {{ sync hand[{half}]?; }}", share=0.2)}
+            to Busy {{ sync deliver[{received}]?; assign got[{own}] = number{more}, y = 0; }}
+            to Ready {{ guard y > 2; assign deaf[{rarely("place", str(own))}] = !deaf[{own}], y = 0; }}
+            to Done {{ guard got[{own}] == {random.randint(1, 2)}{rarely(" && losses == LOSSES")}; }}
+            {rarely(f"to Done {{ sync hand[{own}]?; }}", share=0.2)}
         }}
         {random.choice(["committed ", "urgent ", ""])}location Busy {{
-            to Ready {{ sync answer[{half}]!; assign number = got[{half}]; }}
+            to Ready {{ sync answer[{own}]!; assign number = got[{own}]; }}
         }}
         location Done;
     }}

@@ -1,4 +1,4 @@
-"""Whether an exchange keeps what is possible, one discrete state after the other: the oracle for
+"""The automorphisms among permutations, checked one discrete state after the other: the oracle for
 `tachk.meaning.judge.automorphism`, by the symbolic semantics of single states.
 
 States are any with numbers within the ranges, reachable or not, but for what nothing writes.

@@ -1,9 +1,10 @@
-#include "runs/reading.hpp"
+#include "runs/concrete_semantics.hpp"
 
 namespace tachk::runs {
 
 using program::no_code;
-Reading::Reading(const program::Program& program) : program_(program), machine_(program, machine::largest_exact_reset) {
+ConcreteSemantics::ConcreteSemantics(const program::Program& program)
+    : program_(program), machine_(program, machine::largest_exact_reset) {
   for (std::uint32_t slot = 0; slot < program.state_slots; ++slot)
     if (program.slots[slot].meta) metas_.push_back(slot);
   for (const program::Process& process : program.processes) leaving_.emplace_back(process.locations.size());
@@ -14,12 +15,12 @@ Reading::Reading(const program::Program& program) : program_(program), machine_(
   begin();
 }
 
-void Reading::begin() {
+void ConcreteSemantics::begin() {
   slots_.clear();
   for (const program::Slot& slot : program_.slots) slots_.push_back(slot.initial);
 }
 
-bool Reading::holds(const program::Condition& condition, std::vector<zones::Atom>& constraints) {
+bool ConcreteSemantics::holds(const program::Condition& condition, std::vector<zones::Atom>& constraints) {
   for (const program::Test& test : condition.tests)
     if (!test.holds(slots_.data())) return false;
   if (condition.code != no_code && machine_.value(condition.code, slots_.data()) == 0) return false;
@@ -36,25 +37,25 @@ bool Reading::holds(const program::Condition& condition, std::vector<zones::Atom
   return true;
 }
 
-bool Reading::invariants(std::vector<zones::Atom>& constraints) {
+bool ConcreteSemantics::invariants(std::vector<zones::Atom>& constraints) {
   for (std::size_t p = 0; p < program_.processes.size(); ++p)
     if (const program::Location& here = location(p); here.has_invariant && !holds(here.invariant, constraints))
       return false;
   return true;
 }
 
-bool Reading::waits() const {
+bool ConcreteSemantics::waits() const {
   for (std::size_t p = 0; p < program_.processes.size(); ++p)
     if (location(p).urgent || location(p).committed) return false;
   return true;
 }
 
-std::int32_t Reading::channel(const program::Edge& edge) {
+std::int32_t ConcreteSemantics::channel(const program::Edge& edge) {
   if (edge.internal() || edge.channel_code == no_code) return edge.channel;
   return static_cast<std::int32_t>(machine_.value(edge.channel_code, slots_.data()));
 }
 
-void Reading::take(std::span<const std::uint32_t> edges, std::vector<zones::ClockReset>& resets) {
+void ConcreteSemantics::take(std::span<const std::uint32_t> edges, std::vector<zones::ClockReset>& resets) {
   for (const std::uint32_t number : edges) {
     const program::Update& update = program_.edges[number].update;
     for (const program::Update::Store& store : update.stores) slots_[store.slot] = store.value;

@@ -50,7 +50,7 @@ void add(const Three& three, ZoneRef zone, Atom atom) {
   if (three.ops.meets_each(zone, three.n, &atom, 1)) three.ops.intersect(zone, three.n, &atom, 1);
 }
 
-// What the three clocks can be within the largest constant, so that the valuations looked at tell all.
+// The values of the three clocks up to the largest constant, which decide all.
 ZoneBuffer everything(const Three& three) {
   ZoneBuffer zone(three.ops);
   three.ops.make_zero(zone.get(), three.n);
@@ -76,7 +76,7 @@ ZoneBuffer restricted(const Three& three, const ZoneBuffer& zone, std::initializ
   return part;
 }
 
-void check(const Three& three, int count, int& united, int& apart) {
+void check(const Three& three, int count, int& merged, int& apart) {
   std::mt19937 random(static_cast<unsigned>(three.n));
   for (int round = 0; round < count; ++round) {
     const auto atom = [&] { return random_atom(three, random); };
@@ -87,7 +87,7 @@ void check(const Three& three, int count, int& united, int& apart) {
     const ZoneBuffer theirs = restricted(three, both, {beyond});
     ZoneBuffer result(three.ops);
     result.assign(mine.get());
-    const bool grown = three.ops.unite(result.get(), theirs.get(), three.n);
+    const bool grown = three.ops.convex_union(result.get(), theirs.get(), three.n);
     ZoneBuffer hull(three.ops);
     hull.assign(mine.get());
     three.ops.hull(hull.get(), theirs.get(), three.n);
@@ -104,7 +104,7 @@ void check(const Three& three, int count, int& united, int& apart) {
           CHECK(three.holds(result.get(), value) == (grown ? of_either : of_mine));
         }
     CHECK(grown == (larger && convex));
-    (grown ? united : apart) += larger ? 1 : 0;
+    (grown ? merged : apart) += larger ? 1 : 0;
   }
 }
 
@@ -125,19 +125,19 @@ void check_unbounded() {
   other.assign(all.get());
   add(three, one.get(), {2, 0, raw_bound(1, false)});
   add(three, other.get(), {1, 2, raw_bound(1, false)});
-  CHECK(!three.ops.unite(one.get(), other.get(), three.n));
+  CHECK(!three.ops.convex_union(one.get(), other.get(), three.n));
 }
 
 }  // namespace
 
 int main() {
   check_unbounded();
-  int united = 0;
+  int merged = 0;
   int apart = 0;
-  check({4, {1, 2, 3}, select_operations(4, Width::narrow, true)}, 150, united, apart);
-  check({4, {3, 1, 2}, select_operations(4, Width::widest, false)}, 50, united, apart);
-  check({20, {4, 17, 9}, select_operations(20, Width::narrow, true)}, 50, united, apart);
-  check({70, {5, 66, 20}, select_operations(70, Width::wide, false)}, 50, united, apart);
-  CHECK(united > 80 && apart > 20);
-  std::puts("zones are united where their union is a zone");
+  check({4, {1, 2, 3}, select_operations(4, Width::narrow, true)}, 150, merged, apart);
+  check({4, {3, 1, 2}, select_operations(4, Width::widest, false)}, 50, merged, apart);
+  check({20, {4, 17, 9}, select_operations(20, Width::narrow, true)}, 50, merged, apart);
+  check({70, {5, 66, 20}, select_operations(70, Width::wide, false)}, 50, merged, apart);
+  CHECK(merged > 80 && apart > 20);
+  std::puts("zones become one where their union is a zone");
 }

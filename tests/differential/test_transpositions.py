@@ -1,5 +1,5 @@
-"""Exchanges that the checker of certificates takes for automorphisms, by what is possible in single states; and
-certificates with exchanges, by both checkers and by the search without."""
+"""Transpositions that the checker of certificates takes for automorphisms, by what is possible in single states; and
+certificates with permutations, by both checkers and by the search without."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.cycles import random_ring_case
-from tests.support.symmetric.exchanged_states import is_kept, mutated, random_state
+from tests.support.symmetric.permuted_states import is_kept, mutated, random_state
 from tests.support.symmetric.registers import random_register_case
 from tests.unit.meaning.judge.proofs import PLAIN, judged, proved, written
 

@@ -1,4 +1,4 @@
-// What a program says of a single run: what it asks of the clocks in a state, and what a transition makes of the state.
+// The meaning of a program on a single run: the constraints on clocks in a state, and the effect of a transition.
 // It uses the program and the machine only, and nothing of the search.
 #pragma once
 
@@ -12,19 +12,19 @@
 
 namespace tachk::runs {
 
-class Reading {
+class ConcreteSemantics {
  public:
   // The program must outlive it.
-  explicit Reading(const program::Program& program);
+  explicit ConcreteSemantics(const program::Program& program);
 
   // Goes to the initial state.
   void begin();
 
-  // Whether the integer part of a condition holds; then its clock constraints are appended. Throws ModelFault.
+  // True if the integer part of a condition holds; then its clock constraints are appended. Throws ModelFault.
   bool holds(const program::Condition& condition, std::vector<zones::Atom>& constraints);
   // The same of the invariants of all processes.
   bool invariants(std::vector<zones::Atom>& constraints);
-  // Whether no location is urgent or committed.
+  // True if no location is urgent or committed.
   bool waits() const;
   // The number of the channel that an edge names. Throws ModelFault.
   std::int32_t channel(const program::Edge& edge);

@@ -1,4 +1,4 @@
-"""One requirement, "nothing arrives while the subscriber sleeps for 50 s", in its three readings, on one trace."""
+"""One requirement, "nothing arrives while the subscriber sleeps for 50 s", interpreted in three ways, on one trace."""
 
 from __future__ import annotations
 

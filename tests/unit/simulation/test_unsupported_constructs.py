@@ -20,7 +20,7 @@ def _code(text: str) -> str:
     return caught.value.diagnostic.code
 
 
-def test_a_rate_that_cannot_be_computed_is_refused_by_simulation_only() -> None:
+def test_a_rate_that_cannot_be_computed_is_rejected_by_simulation_only() -> None:
     text = """
         double z = 1.5;
         process P() { init location A { exponential_rate z; to B; } location B; }
@@ -31,7 +31,7 @@ def test_a_rate_that_cannot_be_computed_is_refused_by_simulation_only() -> None:
     assert tachk.loads(text).verify()["p"].answer is tachk.Answer.HOLDS
 
 
-def test_a_weight_that_is_no_number_is_refused() -> None:
+def test_a_weight_that_is_no_number_is_rejected() -> None:
     assert (
         _code(
             """
@@ -66,7 +66,7 @@ def test_check_warns_of_such_rates_and_weights(tmp_path: Path, capsys: pytest.Ca
     assert capsys.readouterr().err.count("warning[W0722]") == 2
 
 
-def test_priorities_are_refused_in_units_only() -> None:
+def test_priorities_are_rejected_in_units_only() -> None:
     text = "process P() { init location A { to A; } } process Q() { init location A; } system P < Q;"
     Runs(tachk.loads(text).network, ())
     with pytest.raises(UnsupportedError) as caught:
@@ -74,7 +74,7 @@ def test_priorities_are_refused_in_units_only() -> None:
     assert caught.value.diagnostic.code == "E0723"
 
 
-def test_clock_guards_on_urgent_channels_are_refused() -> None:
+def test_clock_guards_on_urgent_channels_are_rejected() -> None:
     text = """
         urgent broadcast chan c;
         process P() { clock x; init location A { to A { guard x > 2; sync c!; } } }

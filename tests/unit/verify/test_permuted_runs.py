@@ -1,4 +1,4 @@
-"""Runs that avoid a goal, where one state stands for all that exchanges of interchangeable processes make of it."""
+"""Runs that avoid a goal, where one state stands for its orbit under permutations of interchangeable processes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ system P;
 """
 
 
-def test_a_run_is_told_with_the_names_of_the_model() -> None:
+def test_a_run_is_reported_with_the_names_of_the_model() -> None:
     """Up to exchanges it comes back to where it was after each step; the processes that act are different ones."""
     (verdict,) = tachk.loads(TAKING_TURNS).verify("A<> last == 0 && P(1).wait && last == 1")
     assert verdict.answer.value == "fails" and verdict.trace is not None
@@ -90,7 +90,7 @@ system P;
 """
 
 
-def test_processes_that_only_an_edge_without_a_partner_tells_apart() -> None:
+def test_processes_that_only_an_edge_without_a_partner_distinguishes() -> None:
     """Its guard is false for one of them at once; still all have the same clock bounds, and the run is told."""
     (verdict,) = tachk.loads(APART_BUT_FOR_AN_EDGE_IN_VAIN).verify("A[] not deadlock")
     assert verdict.statistics.interchangeable > 0

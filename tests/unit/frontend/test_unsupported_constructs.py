@@ -59,12 +59,12 @@ def test_no_analysis_gets_the_network() -> None:
 
 
 @pytest.mark.parametrize("format_", ["dot", "json", "tchecker"])
-def test_a_format_made_from_the_network_is_refused(format_: str) -> None:
+def test_a_format_made_from_the_network_is_rejected(format_: str) -> None:
     with pytest.raises(UnsupportedError):
         export_model(load_model(Source("m.ta", MODEL)), format_)
 
 
-def test_every_query_is_told(path: str) -> None:
+def test_every_query_is_reported(path: str) -> None:
     report = tachk.load(path).verify()
     assert [(v.query.name, v.answer) for v in report] == [("bounded", tachk.Answer.UNKNOWN)]
     assert report[0].unsupported is not None
@@ -74,19 +74,19 @@ def test_every_query_is_told(path: str) -> None:
     assert report.met is None
 
 
-def test_a_model_whose_only_query_is_refused_has_not_met_it(tmp_path: Path) -> None:
+def test_a_model_whose_only_query_is_rejected_has_not_met_it(tmp_path: Path) -> None:
     file = tmp_path / "model.ta"
     file.write_text(MODEL.replace("property bounded : A[] n <= 3;\n", ""))
     assert tachk.load(file).verify().met is None
 
 
-def test_queries_given_with_it_are_told_too(path: str) -> None:
+def test_queries_given_with_it_are_reported_too(path: str) -> None:
     report = tachk.load(path).verify("E<> n == 2", "E<> level > 2")
     assert [v.answer for v in report] == [tachk.Answer.UNKNOWN]
     assert [query.text for query in report.record.not_checked] == ["E<> level > 2"]
 
 
-def test_a_query_that_is_refused_keeps_no_other_from_being_checked(tmp_path: Path) -> None:
+def test_a_query_that_is_rejected_keeps_no_other_from_being_checked(tmp_path: Path) -> None:
     file = tmp_path / "model.ta"
     file.write_text(OTHER + "property half : E<> n > sin(0.5);\n")
     model = tachk.load(file)
@@ -161,7 +161,7 @@ def labels(text: str) -> str:
         ),
     ],
 )
-def test_what_has_no_symbolic_meaning_is_refused(text: str, named: str) -> None:
+def test_what_has_no_symbolic_meaning_is_rejected(text: str, named: str) -> None:
     loaded = load_model(Source("m.ta", text))
     assert [refusal.span.text.removeprefix("sync ") for refusal in loaded.refusals] == [named]
 
@@ -218,7 +218,7 @@ def test_what_nothing_checked_reads_is_left_out(tmp_path: Path) -> None:
         ("energy' == 2 * n + cost", "x' == cost"),
     ],
 )
-def test_whatever_else_uses_it_is_refused(before: str, after: str) -> None:
+def test_whatever_else_uses_it_is_rejected(before: str, after: str) -> None:
     loaded = load_model(Source("m.ta", LEFT_OUT.replace(before, after)))
     assert "E0750" in {refusal.code for refusal in loaded.refusals}
     with pytest.raises(UnsupportedError):
@@ -309,7 +309,7 @@ def test_a_function_that_nothing_checked_calls_is_left_out() -> None:
         ("(i + 1) % 3", "rounded()", "next"),
     ],
 )
-def test_what_calls_such_a_function_is_refused(before: str, after: str, refused: str) -> None:
+def test_what_calls_such_a_function_is_rejected(before: str, after: str, refused: str) -> None:
     loaded = load_model(Source("m.ta", FUNCTIONS.replace(before, after)))
     assert [refusal.span.text for refusal in loaded.refusals] == [refused]
 
@@ -323,7 +323,7 @@ int n;
     ("guard", "expected"),
     [("n < 1", []), ("f(n) < 1", [("E0750", "f")]), ("g(n, 2) < 1", [("E0750", "g")])],
 )
-def test_functions_of_a_foreign_library_are_refused_where_they_are_called(
+def test_functions_of_a_foreign_library_are_rejected_where_they_are_called(
     guard: str, expected: list[tuple[str, str]]
 ) -> None:
     loaded = load_model(
@@ -339,7 +339,7 @@ def test_a_foreign_library_declares_nothing_else(find: Any) -> None:
 
 
 @pytest.mark.parametrize("system", ["system P, L;", "system L;", "K = L();\nsystem P, K;"])
-def test_message_sequence_charts_in_the_system_line_are_refused(system: str) -> None:
+def test_message_sequence_charts_in_the_system_line_are_rejected(system: str) -> None:
     template = '<template><name>P</name><location id="a"><name>A</name></location><init ref="a"/></template>'
     queries = "<queries><query><formula>E&lt;&gt; P.A</formula><comment/></query></queries>"
     text = f"<nta>{template}<lsc><name>L</name></lsc><system>{system}</system>{queries}</nta>"

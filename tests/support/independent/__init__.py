@@ -1,0 +1,1 @@
+"""Models of links that lose messages and share a counter of losses."""

@@ -1,1 +1,0 @@
-"""Models of links that lose messages and share a budget of losses."""
