@@ -167,9 +167,21 @@ def core_offenders() -> Iterator[str]:
                 yield f"{path.relative_to(CORE).as_posix()}: {name}"
 
 
+REPLACED_IN_TESTS = {"hear", "looked", "refusal", "refuse", "refused", "stretch", "stretche", "tell", "told", "united"}
+"""Words that names of tests and of their files do not contain."""
+
+
+def offenders_in_tests() -> Iterator[str]:
+    for path in sorted((ROOT / "tests").rglob("*.py")):
+        for name in {path.stem, *re.findall(r"^ *def (test_\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)}:
+            if not REPLACED_IN_TESTS.isdisjoint(word.removesuffix("s") for word in name.split("_")):
+                yield f"{path.relative_to(ROOT).as_posix()}: {name}"
+
+
 def test_names_use_the_words_of_the_field() -> None:
     assert sorted(offenders()) == []
     assert sorted(core_offenders()) == []
+    assert sorted(offenders_in_tests()) == []
 
 
 def test_every_exception_occurs() -> None:

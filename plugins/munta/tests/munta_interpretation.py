@@ -47,11 +47,7 @@ class Edge:
     resets: tuple[int, ...]
 
 
-<<<<<<<< HEAD:plugins/munta/tests/munta_interpretation.py
 class MuntaInterpretation:
-========
-class MuntaSemantics:
->>>>>>>> a69b9751 (core, tests: Use the field's words, and say what a thing is):plugins/munta/tests/munta_semantics.py
     """A network that was read, with the question that its formula asks."""
 
     def __init__(self, text: str, renaming: str) -> None:

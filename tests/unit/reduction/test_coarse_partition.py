@@ -68,7 +68,7 @@ def test_what_only_one_of_them_mentions_distinguishes_them() -> None:
     assert not _repeats(_loop("assign a[0] = 1;"), _loop("guard a[0]; assign a[1] = 1;"), "bool a[2];")
 
 
-def test_functions_are_looked_into() -> None:
+def test_functions_are_analysed() -> None:
     assert not _repeats(
         f"void set() {{ a = 1; }} {_loop('assign set();')}",
         f"void set() {{ b = 1; }} {_loop('assign set();')}",
