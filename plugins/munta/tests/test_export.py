@@ -101,7 +101,7 @@ def test_the_numbering_of_a_model() -> None:
 
 
 def test_a_certificate() -> None:
-    """Rows hold locations, then the cells of ask, shut, floor, last, wanted, x and y; floor is 1 less for Munta."""
+    """Rows hold locations, then the slots of ask, shut, floor, last, wanted, x and y; floor is 1 less for Munta."""
     rows = np.array([[0, 0, 0, 1, 1, 0, 0, 1, 2], [1, 1, 0, 1, 2, 1, 0, 1, 2]])
     numbers = [np.array(n) for n in ([1, 1], [0, 0], [0, 1], [2 * 3 + 1], [-3])]
     written = certificate_of(exported(LIFT).network, [StateBlock(rows, *numbers)], 2)
