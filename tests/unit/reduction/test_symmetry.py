@@ -14,7 +14,7 @@ from tachk.engine.symmetry.index_types import AsymmetryReason
 from tests.support.seeds import enough, seeds
 from tests.support.symmetric.cases import random_symmetric_case
 
-ORDER = "the updates of two of them that hear the same broadcast depend on their order"
+ORDER = "the updates of two of them that receive the same broadcast depend on their order"
 
 TEXT = """
 const int N = 3;
