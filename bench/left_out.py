@@ -14,7 +14,7 @@ from random import Random
 
 from tachk import Limits
 from tachk.verify import over_approximations
-from tests.support.independent.lossy_links import compare, random_halves
+from tests.support.independent.lossy_links import compare, random_components
 
 _LIMITS = Limits(states=10_000)
 
@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
     done = compared = fewer = faults = wrong = 0
     try:
         for number in range(seed, seed + count):
-            found = compare(random_halves(Random(number)), _LIMITS)
+            found = compare(random_components(Random(number)), _LIMITS)
             compared += found.compared
             fewer += found.fewer
             faults += found.faults
