@@ -64,6 +64,7 @@ REPLACED = {
     "nobody": "no process, none",
     "somebody": "a process, some",
     "whoever": "the caller, the receiver",
+    "deed": "action, effect",
     "kept": "retained, with the name of the things: rows, samples, ways",
 }
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""

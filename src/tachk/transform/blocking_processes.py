@@ -71,7 +71,7 @@ def _idle(process: Process) -> Process:
 
 
 @dataclass(frozen=True, slots=True)
-class _Deeds:
+class _ProcessEffects:
     """The influence of a process on others.
 
     Attributes:
@@ -90,7 +90,7 @@ class _Deeds:
     passes: tuple[tuple[frozenset[Component], frozenset[Component]], ...]
 
 
-def _deeds(network: Network, process: Process, known: Known, ignored: Collection[Variable]) -> _Deeds:
+def _effects(network: Network, process: Process, known: Known, ignored: Collection[Variable]) -> _ProcessEffects:
     written = written_components(list(process_expressions(process)), known)
     sends: set[Component] = set()
     receives: set[Component] = set()
@@ -111,7 +111,7 @@ def _deeds(network: Network, process: Process, known: Known, ignored: Collection
         )
         if passed:
             passes.append((channels, passed))
-    return _Deeds(
+    return _ProcessEffects(
         any(location.rates for location in process.locations),
         frozenset(
             component for component in written if not network.resets(component[0]) and component[0] not in ignored
@@ -162,18 +162,19 @@ class _Cone:
     def changed_by(self, update: Expression) -> bool:
         return self.components.meets(written_components([update], self.known))
 
-    def needs(self, number: int, deeds: _Deeds) -> bool:
+    def needs(self, number: int, effects: _ProcessEffects) -> bool:
         """True if the process can make something possible for the members."""
         return (
             number in self.processes
-            or deeds.stops_clocks
-            or self.components.meets(deeds.writes)
-            or self.received.meets(deeds.sends)
-            or self.sent.meets(deeds.receives)
+            or effects.stops_clocks
+            or self.components.meets(effects.writes)
+            or self.received.meets(effects.sends)
+            or self.sent.meets(effects.receives)
             # With a receiver in a committed location a broadcast is possible that another committed location forbids.
-            or self.admitted.meets(deeds.commits)
+            or self.admitted.meets(effects.commits)
             or any(
-                self.broadcast.meets(channels) and self.components.meets(written) for channels, written in deeds.passes
+                self.broadcast.meets(channels) and self.components.meets(written)
+                for channels, written in effects.passes
             )
         )
 
@@ -203,7 +204,7 @@ def _cone(
 ) -> _Cone:
     """The dependencies of the targets, where ignored writes make nothing possible."""
     known = known_values(network, targets)
-    deeds = [_deeds(network, process, known, ignored) for process in network.processes]
+    effects = [_effects(network, process, known, ignored) for process in network.processes]
     cone = _Cone(known)
     cone.include(targets)
     for number in sorted(required):
@@ -212,7 +213,7 @@ def _cone(
     while grows:
         before = cone.size
         for number, process in enumerate(network.processes):
-            if number not in cone.members and cone.needs(number, deeds[number]):
+            if number not in cone.members and cone.needs(number, effects[number]):
                 cone.add(number, process)
         for number in cone.members:
             updates = [update for edge in network.processes[number].edges for update in edge.updates]

@@ -120,8 +120,8 @@ def run_proxy(proxying: Proxying) -> ExitStatus:
 
 def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
     from tachk.xrce.proxy.counterexample import rules_of
+    from tachk.xrce.proxy.fault_plan import parse_fault_plan
     from tachk.xrce.proxy.run_of_model import REPORT_WITH_RUN, read_run
-    from tachk.xrce.proxy.script import parse_script
 
     rules: list[RelayRule] = []
     for path in proxying.scripts:
@@ -129,9 +129,9 @@ def _rules(proxying: Proxying, ports: list[int]) -> list[RelayRule]:
             text = path.read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise UsageError(f"{path} is not text in UTF-8") from None
-        rules += parse_script(Source(str(path), text), ports)
+        rules += parse_fault_plan(Source(str(path), text), ports)
     for rule in proxying.given:
-        rules += parse_script(Source("--rule", rule), ports)
+        rules += parse_fault_plan(Source("--rule", rule), ports)
     if proxying.trace is not None:
         name = str(proxying.trace)
         document = read_json(proxying.trace, REPORT_WITH_RUN)

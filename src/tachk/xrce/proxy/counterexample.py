@@ -14,7 +14,7 @@ from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.span import Source, Span
-from tachk.xrce.proxy.rules import Chosen, ChosenPackets, Deed, PacketDirection, RelayRule, RuleWindow
+from tachk.xrce.proxy.rules import Chosen, ChosenPackets, PacketDirection, RelayAction, RelayRule, RuleWindow
 from tachk.xrce.proxy.run_of_model import Happening, ModelMessage, ModelRun
 from tachk.xrce.wire import SubmessageKind
 
@@ -84,20 +84,22 @@ class _ClientMessages:
             message = happening.message
             self.before.append(self.certain(index))
             if happening.lost:
-                drops.append(RelayRule(Deed.DROP, self.chosen(message, self.port), self.span))
+                drops.append(RelayRule(RelayAction.DROP, self.chosen(message, self.port), self.span))
             elif happening.sent:
                 under_way[message] = None
             else:
                 if not happening.stays:
                     under_way.pop(message, None)
-                deed = Deed.DUPLICATE if message in copied or message not in self.sent_at else Deed.DELAY
-                waits += self.wait(index, message, deed, self.before[index])
+                action = (
+                    RelayAction.DUPLICATE if message in copied or message not in self.sent_at else RelayAction.DELAY
+                )
+                waits += self.wait(index, message, action, self.before[index])
                 if happening.stays:
                     copied.add(message)
         for message in under_way:  # which come after all that the run shows
             if message not in copied:
                 sent = self.sent_at[message]
-                waits += self.wait(len(self.happenings), message, Deed.DELAY, {sent, *self.before[sent]})
+                waits += self.wait(len(self.happenings), message, RelayAction.DELAY, {sent, *self.before[sent]})
         return drops + waits
 
     def certain(self, index: int) -> set[int]:
@@ -124,7 +126,7 @@ class _ClientMessages:
                 return [earlier]
         return []
 
-    def wait(self, index: int, message: ModelMessage, deed: Deed, before: set[int]) -> list[RelayRule]:
+    def wait(self, index: int, message: ModelMessage, action: RelayAction, before: set[int]) -> list[RelayRule]:
         """Holds a message until all has passed that its receiver sends and gets before this index.
 
         Args:
@@ -133,12 +135,12 @@ class _ClientMessages:
         needed = self.needed(index, message, before)
         for other in needed:
             before |= {other, *self.before[other]}
-        if deed is Deed.DELAY:
+        if action is RelayAction.DELAY:
             if not needed:
                 return []
             self.held.add(message)
         events = tuple(self.chosen(self.happenings[other].message) for other in needed)
-        return [RelayRule(deed, self.chosen(message, self.port), self.span, wait=RuleWindow(events=events))]
+        return [RelayRule(action, self.chosen(message, self.port), self.span, wait=RuleWindow(events=events))]
 
     def needed(self, index: int, message: ModelMessage, before: set[int]) -> list[int]:
         """The events to wait for: those before the index that are neither certain nor implied."""

@@ -13,7 +13,7 @@ from typing import Final
 
 from tachk.base.records import dataclass
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.proxy.rules import Chosen, ChosenPackets, Deed, PacketDirection, RelayRule
+from tachk.xrce.proxy.rules import Chosen, ChosenPackets, PacketDirection, RelayAction, RelayRule
 from tachk.xrce.proxy.sightings import Said, are_among, said
 
 
@@ -156,13 +156,13 @@ class Decisions:
         """Puts the packet and its copies among those that leave, unless it is dropped."""
         due, needs, lost = arrival.time, list[_EventKey](), False
         for index, rule in rules:
-            match rule.deed:
-                case Deed.DROP:
+            match rule.action:
+                case RelayAction.DROP:
                     lost = True
-                case Deed.DELAY:
+                case RelayAction.DELAY:
                     due += self._drawn(index, rule, arrival)
                     needs += [(arrival.port, event) for event in rule.wait.events]
-                case Deed.DUPLICATE:
+                case RelayAction.DUPLICATE:
                     events = [(arrival.port, event) for event in rule.wait.events]
                     self._hold(number, arrival, True, arrival.time + self._drawn(index, rule, arrival), events)
         if lost:

@@ -1,4 +1,4 @@
-"""Rules of a relay for packets. A rule in words is the input of `tachk.xrce.proxy.script`."""
+"""Rules of a relay for packets. A rule in words is the input of `tachk.xrce.proxy.fault_plan`."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ class RuleWindow:
         return in_words(self.shortest) + (f" to {in_words(self.longest)}" if self.longest != self.shortest else "")
 
 
-class Deed(Enum):
+class RelayAction(Enum):
     """The action of a rule."""
 
     DROP = "drop"
@@ -143,7 +143,7 @@ class RelayRule:
     """The rules for packets.
 
     Attributes:
-        deed: what.
+        action: what happens to the packets.
         chosen: with which.
         share: how many of them, by chance; None for all.
         wait: how long they are held, or after how long their copy follows.
@@ -151,7 +151,7 @@ class RelayRule:
         span: where it stands.
     """
 
-    deed: Deed
+    action: RelayAction
     chosen: Chosen
     span: Span
     share: Fraction | None = None
@@ -165,15 +165,15 @@ class RelayRule:
         if self.share is not None:
             since = "" if chosen.since is None else f" since {chosen.since}"
             what = f"{_decimal(self.share * 100)} % of {chosen.packets}{since}"
-        match self.deed:
-            case Deed.DROP:
+        match self.action:
+            case RelayAction.DROP:
                 how = ""
-            case Deed.DELAY:
+            case RelayAction.DELAY:
                 how = f" {'until' if self.wait.events else 'by'} {self.wait}"
-            case Deed.DUPLICATE:
+            case RelayAction.DUPLICATE:
                 how = f" after {self.wait}"
         when = f" between {in_words(self.begin)} and {in_words(self.end)}" if self.end != EVERY else ""
-        return f"{self.deed.value} {what}{how}{when}"
+        return f"{self.action.value} {what}{how}{when}"
 
 
 def ordinal(number: int) -> str:

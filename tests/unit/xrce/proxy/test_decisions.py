@@ -5,8 +5,8 @@ from __future__ import annotations
 from tachk.base.span import Source
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.proxy.decisions import Decisions, RelayArrival
+from tachk.xrce.proxy.fault_plan import parse_fault_plan
 from tachk.xrce.proxy.rules import PacketDirection
-from tachk.xrce.proxy.script import parse_script
 from tests.unit.xrce.proxy.packets import CREATE_CLIENT, acknack, data, heartbeat, write_data
 
 MS = 1_000_000
@@ -17,7 +17,7 @@ class Wire:
     """A relay with the packets that have left it, as (time in ms, number of the arrival)."""
 
     def __init__(self, script: str, seed: int = 0) -> None:
-        self.decisions = Decisions(parse_script(Source("script", script)), seed)
+        self.decisions = Decisions(parse_fault_plan(Source("script", script)), seed)
         self.left: list[tuple[float, int]] = []
         self.wake: int | None = None
 

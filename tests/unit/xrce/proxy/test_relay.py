@@ -15,9 +15,9 @@ from tachk.base.span import Source
 from tachk.xrce.events import decode
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.proxy.decisions import Decisions
+from tachk.xrce.proxy.fault_plan import parse_fault_plan
 from tachk.xrce.proxy.recording import CaptureWriter, Sorted
 from tachk.xrce.proxy.relay import Plan, Relay
-from tachk.xrce.proxy.script import parse_script
 from tests.unit.xrce.proxy.packets import acknack, write_data
 
 
@@ -39,7 +39,7 @@ async def exchange(script: str, file: io.BytesIO) -> list[bytes]:
     with bound() as agent, bound() as client:
         port = free_port()
         plan = Plan([Endpoint("127.0.0.1", port)], Endpoint(*agent.getsockname()), None)
-        relay = Relay(plan, Decisions(parse_script(Source("s", script))), CaptureWriter(file))
+        relay = Relay(plan, Decisions(parse_fault_plan(Source("s", script))), CaptureWriter(file))
         ready = asyncio.Event()
         running = asyncio.create_task(relay.run(ready.set))
         await ready.wait()

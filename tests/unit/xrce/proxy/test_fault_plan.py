@@ -9,22 +9,25 @@ import pytest
 from tachk.base.diagnostics.diagnostic import InputError
 from tachk.base.diagnostics.explanation import all_explanations
 from tachk.base.span import Source
-from tachk.xrce.proxy.rules import EVERY, Chosen, ChosenPackets, Deed, PacketDirection, RelayRule, RuleWindow
-from tachk.xrce.proxy.script import parse_script
+from tachk.xrce.proxy.fault_plan import parse_fault_plan
+from tachk.xrce.proxy.rules import EVERY, Chosen, ChosenPackets, PacketDirection, RelayAction, RelayRule, RuleWindow
 from tachk.xrce.wire import SubmessageKind
 
 MS = 1_000_000
 
 
 def one(text: str) -> RelayRule:
-    (rule,) = parse_script(Source("script", text))
+    (rule,) = parse_fault_plan(Source("script", text))
     return rule
 
 
 def test_packets_are_chosen_by_kind_number_way_and_count() -> None:
     rule = one("drop the 2nd ACKNACK 7 agent->client on 19001 since WRITE_DATA")
     packets = ChosenPackets(SubmessageKind.ACKNACK, number=7, way=PacketDirection.TO_CLIENT, port=19001)
-    assert (rule.deed, rule.chosen) == (Deed.DROP, Chosen(packets, 2, 2, ChosenPackets(SubmessageKind.WRITE_DATA)))
+    assert (rule.action, rule.chosen) == (
+        RelayAction.DROP,
+        Chosen(packets, 2, 2, ChosenPackets(SubmessageKind.WRITE_DATA)),
+    )
 
 
 @pytest.mark.parametrize(
@@ -66,7 +69,7 @@ def test_shares_and_windows() -> None:
 
 
 def test_lines_are_rules_and_comments() -> None:
-    rules = parse_script(Source("script", "# first\n\ndrop DATA 5   # why\n  delay DATA by 1 ms\n"))
+    rules = parse_fault_plan(Source("script", "# first\n\ndrop DATA 5   # why\n  delay DATA by 1 ms\n"))
     assert [str(rule.span) for rule in rules] == ["script:3:1", "script:4:3"]
 
 
@@ -117,7 +120,7 @@ def test_a_rule_in_words_is_the_rule(text: str) -> None:
 )
 def test_wrong_rules(text: str, column: int, code: str, message: str) -> None:
     with pytest.raises(InputError) as raised:
-        parse_script(Source("script", f"drop DATA\n{text}\n"), [19001])
+        parse_fault_plan(Source("script", f"drop DATA\n{text}\n"), [19001])
     (found,) = raised.value.diagnostics
     assert found.span.source.line_column(found.span.start) == (2, column)
     assert found.code == code
@@ -127,5 +130,5 @@ def test_wrong_rules(text: str, column: int, code: str, message: str) -> None:
 
 def test_every_wrong_line_is_reported() -> None:
     with pytest.raises(InputError) as raised:
-        parse_script(Source("script", "drp DATA\ndrop DATA\ndrop DAT"))
+        parse_fault_plan(Source("script", "drp DATA\ndrop DATA\ndrop DAT"))
     assert [found.help for found in raised.value.diagnostics] == ["did you mean drop?", "did you mean DATA?"]

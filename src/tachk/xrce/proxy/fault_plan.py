@@ -1,7 +1,7 @@
-"""Scripts of a relay: text to rules, a rule on each line.
+"""Fault-injection plans of a relay: text to rules, a rule on each line.
 
-    rule    = deed [NUMBER "%" "of"] chosen [wait] ["between" time "and" time]
-    deed    = "drop" | "delay" | "duplicate"
+    rule    = action [NUMBER "%" "of"] chosen [wait] ["between" time "and" time]
+    action  = "drop" | "delay" | "duplicate"
     chosen  = [which] packets ["since" packets]
     which   = "every" | ["the"] NTH ["to" NTH | "and" "every" "further"]
     packets = KIND [NUMBER] ["client->agent" | "agent->client"] ["on" PORT]
@@ -30,8 +30,8 @@ from tachk.xrce.proxy.rules import (
     ONE_WAY,
     Chosen,
     ChosenPackets,
-    Deed,
     PacketDirection,
+    RelayAction,
     RelayRule,
     RuleWindow,
 )
@@ -40,15 +40,15 @@ from tachk.xrce.wire import SubmessageKind
 _TOKEN: Final = re.compile(r"\d+(?:st|nd|rd|th)\b|\d+(?:\.\d+)?|[A-Za-z_]+(?:->[A-Za-z]+)?|\S")
 _NUMBER: Final = re.compile(rf"{DIGITS}(?:\.{DIGITS})?")
 _ORDINAL: Final = re.compile(rf"({DIGITS})(?:st|nd|rd|th)")
-_DEEDS: Final = {deed.value: deed for deed in Deed}
+_ACTIONS: Final = {action.value: action for action in RelayAction}
 _WAYS: Final = {way.value: way for way in PacketDirection}
 _KINDS: Final = ("packet", "NACK", *(kind.name for kind in SubmessageKind))
 _PLURALS: Final = {"packets": "packet"}
-_WAITS: Final = {Deed.DELAY: ("by", "until"), Deed.DUPLICATE: ("after", "after")}
+_WAITS: Final = {RelayAction.DELAY: ("by", "until"), RelayAction.DUPLICATE: ("after", "after")}
 _LAST_NUMBER: Final = 65535
 
 
-def parse_script(source: Source, ports: Collection[int] = ()) -> tuple[RelayRule, ...]:
+def parse_fault_plan(source: Source, ports: Collection[int] = ()) -> tuple[RelayRule, ...]:
     """The rules of a script, in its order.
 
     Args:
@@ -124,21 +124,21 @@ class _Line:
 
     def rule(self) -> RelayRule:
         verb = self.take()
-        if verb.text not in _DEEDS:
-            close = closest(verb.text, _DEEDS)
+        if verb.text not in _ACTIONS:
+            close = closest(verb.text, _ACTIONS)
             raise self.wrong(
                 f"a rule begins with drop, delay or duplicate, not with {verb.text!r}",
                 f"did you mean {close}?" if close else "for example: drop the 2nd ACKNACK agent->client",
                 verb,
             )
-        deed = _DEEDS[verb.text]
+        action = _ACTIONS[verb.text]
         share = self.share()
         chosen = self.chosen(all_of_them=share is not None)
-        wait = RuleWindow() if deed is Deed.DROP else self.wait(deed)
+        wait = RuleWindow() if action is RelayAction.DROP else self.wait(action)
         begin, end = self.window()
         if self.next < len(self.tokens):
             raise self.wrong(f"expected the end of the line{self.found}")
-        return RelayRule(deed, chosen, self.whole, share, wait, begin, end)
+        return RelayRule(action, chosen, self.whole, share, wait, begin, end)
 
     def share(self) -> Fraction | None:
         if self.following != "%":
@@ -228,8 +228,8 @@ class _Line:
             raise self.wrong(f"the relay does not listen on port {port}", f"it listens on {known}", place, "E0953")
         return port
 
-    def wait(self, deed: Deed) -> RuleWindow:
-        for_time, for_packets = _WAITS[deed]
+    def wait(self, action: RelayAction) -> RuleWindow:
+        for_time, for_packets = _WAITS[action]
         if self.skip(for_time):
             if for_time != for_packets or _NUMBER.fullmatch(self.place.text):
                 return self.interval()
