@@ -213,7 +213,7 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         random = Random(seed)
         case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
         condition = LocationTest(0, random.randrange(len(case.network.processes[0].locations)))
-        stopped = momentary._somebody_stops_time(case.network)
+        stopped = momentary._may_stop_time(case.network)
         if stopped is None:
             continue
         ends = momentary._ends_by_channel(case.network)
@@ -350,7 +350,7 @@ def test_on_random_networks_runs_go_on_where_the_definition_says() -> None:
         random = Random(seed)
         case = random_case(random, Shape(deadlocks=False, clocks=1, processes=2, locations=3, constant=3))
         condition = LocationTest(0, random.randrange(len(case.network.processes[0].locations)))
-        stopped = momentary._somebody_stops_time(case.network)
+        stopped = momentary._may_stop_time(case.network)
         if stopped is None:
             continue
         query = momentary._left_again(0, stopped, condition)
