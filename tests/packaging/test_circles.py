@@ -10,6 +10,8 @@ import grimp
 import networkx as nx
 import pytest
 
+from tests.support.sources import tree_of
+
 SOURCES = Path(__file__).parents[2] / "src/tachk"
 
 FACE = "tachk"
@@ -54,6 +56,6 @@ def test_no_package_is_in_a_circle(imports: list[tuple[str, str]]) -> None:
 def test_modules_come_through_their_own_doors() -> None:
     """Nothing below imports what the package itself offers."""
     for path in SOURCES.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.ImportFrom) and node.module == "tachk":
                 assert {alias.name for alias in node.names} <= {"_core", *(p.stem for p in SOURCES.iterdir())}, path

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.sources import tree_of
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "src"
 
@@ -82,7 +84,7 @@ def _used(module: str, tree: ast.Module, modules: set[str]) -> Iterator[str]:
 
 @cache
 def unused() -> set[str]:
-    trees = {_module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES.rglob("*.py")}
+    trees = {_module_name(path): tree_of(path) for path in SOURCES.rglob("*.py")}
     product = {name: tree for name, tree in trees.items() if not name.startswith("tests.support")}
     used = {name for module, tree in product.items() for name in _used(module, tree, set(trees))}
     defined = {f"{module}.{name}" for module, tree in product.items() for name in _defined(tree)}

@@ -5,20 +5,15 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from functools import cache
 from pathlib import Path
 
 import pytest
 
 import tachk
+from tests.support.sources import tree_of
 
 PACKAGE = Path(tachk.__file__).parent
 MODULES = sorted(PACKAGE.rglob("*.py"))
-
-
-@cache
-def tree_of(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def names_in_code(path: Path) -> set[str]:

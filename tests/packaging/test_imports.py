@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tachk.syntax.parsing import tables
+from tests.support.sources import tree_of
 
 SOURCES = Path(__file__).parents[2] / "src/tachk"
 HEAVY = {
@@ -28,7 +29,7 @@ HEAVY = {
 
 def imported_modules(path: Path) -> set[str]:
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

@@ -12,6 +12,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.support.sources import tree_of
+
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "src/tachk"
 DECIDING = (
@@ -170,7 +172,7 @@ def _goes_on(last: ast.match_case) -> bool:
 
 
 def _open_matches() -> Iterator[str]:
-    trees = {path: ast.parse(path.read_text("utf-8")) for path in sorted(SOURCES.rglob("*.py"))}
+    trees = {path: tree_of(path) for path in sorted(SOURCES.rglob("*.py"))}
     closed = _closed(trees.values())
     for path, tree in trees.items():
         module = path.relative_to(SOURCES).with_suffix("").as_posix()

@@ -14,6 +14,7 @@ import pytest
 import tachk
 from tachk.api import plugin, proofs
 from tachk.cli.main import app
+from tests.support.sources import tree_of
 
 ROOT = Path(__file__).parents[2]
 PLUGINS = sorted(path for path in (ROOT / "plugins").glob("*/src/*") if (path / "__init__.py").is_file())
@@ -22,7 +23,7 @@ PLUGINS = sorted(path for path in (ROOT / "plugins").glob("*/src/*") if (path / 
 def imports(folder: Path) -> Iterator[tuple[str, str]]:
     """Module and name of all that a package imports by name."""
     for path in folder.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Import):
                 yield from ((alias.name, "") for alias in node.names)
             elif isinstance(node, ast.ImportFrom):

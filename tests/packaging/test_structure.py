@@ -7,11 +7,12 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+
+from tests.support.sources import tree_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON, CORE = ROOT / "src" / "tachk", ROOT / "src" / "core"
@@ -68,11 +69,6 @@ DEEPEST = 5
 
 _STATEMENTS = (ast.If, ast.For, ast.While, ast.With, ast.Try, ast.Match)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-
-
-@cache
-def tree_of(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def room_of(path: Path) -> str:

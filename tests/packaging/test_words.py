@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from tests.packaging.test_structure import ROOT
+from tests.support.sources import tree_of
 
 SOURCES = (ROOT / "src" / "tachk", ROOT / "plugins")
 
@@ -131,7 +132,7 @@ def names(tree: ast.AST) -> Iterator[str]:
 def names_of_sources() -> dict[str, set[str]]:
     """The names in each file, its own among them."""
     return {
-        path.relative_to(ROOT).as_posix(): {path.stem, *names(ast.parse(path.read_text(encoding="utf-8")))}
+        path.relative_to(ROOT).as_posix(): {path.stem, *names(tree_of(path))}
         for folder in SOURCES
         for path in sorted(folder.rglob("*.py"))
     }

@@ -1,4 +1,4 @@
-"""Seeds of random examples: a quarter of the named ones at each run, and as many that are drawn from the commit.
+"""Seeds of random examples: a quarter of the named ones at each run, and others that are drawn from the commit.
 
 A failure with a fresh seed is repeated by ``pytest --seed NUMBER``, with the number that the report names, whichever
 commit is checked out. ``--seed 0`` draws nothing: all seeds are those that the tests name.
@@ -42,11 +42,11 @@ def number() -> int:
 
 
 def seeds(named: Sequence[int]) -> list[int]:
-    """A quarter of some seeds, and fresh ones for a third of the others: no commit tries the same ones again."""
+    """A quarter of some seeds, and fresh ones for a fifth of the others: no commit tries the same ones again."""
     if not number():
         return list(named)
     kept = -(-len(named) // 4)
-    replaced = named[kept : kept + -(-(len(named) - kept) // 3)]
+    replaced = named[kept : kept + -(-(len(named) - kept) // 5)]
     turns = range(number(), number() + Draw.times)
     return [*named[:kept], *(seed + STRIDE * turn for turn in turns for seed in replaced)]
 
