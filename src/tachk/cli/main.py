@@ -1,13 +1,14 @@
 """The program: its commands, each loaded when it is called.
 
 Imports nothing heavy: `tachk --version` must not wait for z3. The module of a command in `tachk.cli.commands` holds its
-options, its help and what it does; it loads what that needs once its arguments are right.
+options, its help and what it does; it loads what that needs once its arguments are right. The commands of one protocol
+stand in a folder of its name.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, NoReturn
 
@@ -17,122 +18,170 @@ from click.exceptions import NoSuchCommand
 import tachk
 from tachk.cli import commands
 from tachk.cli.console_script import end_program
+from tachk.cli.former_names import FORMER_NAMES
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 SECTIONS = {
-    "Verify": {
-        "verify": "Check the properties of models, or the given queries.",
-        "synthesize": "Find the values of constants for which a property holds.",
-        "sweep": "Check a model for many values of its constants.",
-        "time": "Find the least and the largest time between two events.",
-        "certify": "Check certificates: proofs of verdicts, without a search.",
-        "requirements": "Find requirements that contradict each other.",
-        "report": "Write an HTML page with verdicts, runs and pictures.",
-        "verifyta": "Check with the options and output of UPPAAL's verifyta.",
-    },
-    "Simulate": {
-        "simulate": "Simulate random runs of a model.",
-        "estimate": "Answer statistical queries: probabilities from random runs.",
-        "replay": "Execute a recorded run on a model, and check formulas on it.",
-        "step": "Walk through a model, step by step.",
-    },
-    "Logs of a real system": {
-        "monitor": "Check properties on a recorded trace, or while it is recorded.",
-        "conform": "Check whether recorded events are a run of a model.",
-        "mine": "Find the tightest value for which a formula holds on traces.",
-        "plot": "Draw a trace and the violations of properties on it.",
-    },
-    "Packets of DDS-XRCE": {
-        "decode": "Print the DDS-XRCE submessages of a capture, a line each.",
-        "measure": "Measure the parameters of a DDS-XRCE system in captures of it.",
-        "chart": "Draw a sequence chart of a capture or of a run.",
-        "proxy": "Relay packets, and lose, delay or duplicate some of them.",
-        "bridge": "Run a model in place of a client or an Agent, over UDP.",
-    },
-    "Models": {
+    "Write models": {
         "check": "Report every mistake in models.",
         "fmt": "Rewrite models in canonical form.",
-        "convert": "Write a model in another file format.",
-        "export": "Write a model for UPPAAL, TChecker, Munta, Graphviz or FMI.",
-        "diff": "Show how the behaviour of two models differs.",
         "draw": "Draw the templates of a model.",
+        "convert": "Write a model in another format: for UPPAAL, FMI, ...",
+        "diff": "Show how the behaviour of two models differs.",
         "models": "List the models that come with tachk, or copy one.",
     },
-    "Help": {
+    "Ask questions": {
+        "verify": "Check the properties of models, or the given queries.",
+        "time": "Find the least and the largest time between two events.",
+        "estimate": "Answer statistical queries: probabilities from random runs.",
+        "sweep": "Check a model for many values of its constants.",
+        "synthesize": "Find the values of constants for which a property holds.",
+        "certify": "Check certificates: proofs of verdicts, without a search.",
+        "requirements": "Find requirements that contradict each other.",
+    },
+    "Run models": {
+        "simulate": "Simulate random runs of a model.",
+        "step": "Walk through a model, step by step.",
+        "replay": "Execute a recorded run on a model, and check formulas on it.",
+    },
+    "Check logs of the real system": {
+        "monitor": "Check properties on a recorded trace, or while it is recorded.",
+        "conform": "Check whether recorded events are a run of a model.",
+        "plot": "Draw a trace and the violations of properties on it.",
+        "chart": "Draw a sequence chart of a capture or of a run.",
+        "xrce": "Decode, measure, relay and answer packets of DDS-XRCE.",
+    },
+    "Explain results": {
         "explain": "Explain a message, a formula or a sentence.",
-        "sentences": "List the English sentences that express properties.",
-        "completion": "Print a script that lets your shell complete commands.",
+        "report": "Write an HTML page with verdicts, runs and pictures.",
     },
 }
 """The commands by their sections of the help, each with its first line, so that the help need not import them."""
 
+FOLDERS = {
+    "xrce": {
+        "decode": "Print the submessages of a capture, a line each.",
+        "measure": "Measure the parameters of a system in captures of it.",
+        "proxy": "Relay packets, and lose, delay or duplicate some of them.",
+        "bridge": "Run a model in place of a client or an Agent, over UDP.",
+    },
+}
+"""The commands about one protocol, which stand under its name."""
 
-def _modules_of(folders: Iterable[str]) -> set[str]:
-    """The names of the modules in some folders; `pkgutil` would take a millisecond of each start for it."""
-    names = {name.removesuffix(".py") for folder in folders for name in os.listdir(folder) if name.endswith(".py")}
-    return names - {"__init__"}
-
+HIDDEN = ("verifyta", "completion")
+"""Commands that the help does not list: for scripts that call another program, and for shells."""
 
 _OTHERS = "More commands"
 """The section of commands that stand in the folder but not in a section."""
 
-COMMANDS = (
+
+def _modules() -> set[str]:
+    """The names of the modules of commands; `pkgutil` would take a millisecond of each start for it."""
+    names = {name.removesuffix(".py") for folder in commands.__path__ for name in os.listdir(folder)}
+    return {name for name in names if not name.startswith("_")}
+
+
+TOP_LEVEL = (
     *(name for section in SECTIONS.values() for name in section),
-    *sorted(_modules_of(commands.__path__).difference(*SECTIONS.values())),
+    *HIDDEN,
+    *sorted(_modules().difference(*SECTIONS.values(), HIDDEN)),
 )
-"""In the order of the help: those of the sections, then all others of the folder."""
+"""The names behind `tachk`, in the order of the help: those of the sections, then all others of the folder."""
+
+COMMANDS = (
+    *(name for name in TOP_LEVEL if name not in FOLDERS),
+    *(f"{folder} {name}" for folder, names in FOLDERS.items() for name in names),
+)
+"""All commands, as one types them."""
 
 COMPLETION_VARIABLE = "_TACHK_COMPLETE"
 """With this in the environment click answers what a shell asks when it completes a line."""
 
 
 def load_command(name: str) -> click.Command:
-    """The command of a name: `tachk.cli.commands.NAME.command`."""
-    command = import_module(f"{commands.__name__}.{name}").command
+    """The command of a name: `tachk.cli.commands.NAME.command`; `xrce decode` stands in the folder `xrce`."""
+    command = import_module(f"{commands.__name__}.{name.replace(' ', '.')}").command
     assert isinstance(command, click.Command)
     return command
 
 
-def _summaries() -> dict[str, dict[str, str]]:
-    """The first lines of all commands, by section."""
-    others = {name: load_command(name).get_short_help_str(80) for name in COMMANDS if not _has_section(name)}
-    return {**SECTIONS, _OTHERS: others} if others else SECTIONS
-
-
-def _has_section(name: str) -> bool:
-    return any(name in section for section in SECTIONS.values())
-
-
-class _Commands(click.Group):
+class _Group(click.Group):
     """Loads a command when it is needed; the help and the completion of names load none."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
+    def sections(self) -> dict[str, dict[str, str]]:
+        """The first lines of the commands, by section."""
+        raise NotImplementedError
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        return load_command(cmd_name) if cmd_name in COMMANDS else None
+        raise NotImplementedError
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for section in self.sections().values() for name in section]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        width = max(map(len, COMMANDS))
-        for section, summaries in _summaries().items():
+        sections = self.sections()
+        width = max(len(name) for section in sections.values() for name in section)
+        for section, summaries in sections.items():
             with formatter.section(section):
                 formatter.write_dl([(name.ljust(width), summary) for name, summary in summaries.items()])
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         from click.shell_completion import CompletionItem
 
-        summaries = {name: summary for section in _summaries().values() for name, summary in section.items()}
+        summaries = {name: summary for section in self.sections().values() for name, summary in section.items()}
         names = [CompletionItem(name, help=help) for name, help in summaries.items() if name.startswith(incomplete)]
         return [*names, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args[0] not in COMMANDS and not args[0].startswith("-"):
-            raise NoSuchCommand(args[0], possibilities=COMMANDS, ctx=ctx)
+        if not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            raise NoSuchCommand(args[0], possibilities=self.list_commands(ctx), ctx=ctx)
         return super().resolve_command(ctx, args)
+
+
+class _Folder(_Group):
+    """The commands of a folder: those about one protocol."""
+
+    def sections(self) -> dict[str, dict[str, str]]:
+        assert self.name is not None
+        return {"Commands": FOLDERS[self.name]}
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        assert self.name is not None
+        return load_command(f"{self.name} {cmd_name}") if cmd_name in FOLDERS[self.name] else None
+
+
+class _Program(_Group):
+    """The commands behind `tachk`; those of earlier versions go on working, with a note."""
+
+    def sections(self) -> dict[str, dict[str, str]]:
+        listed = {*HIDDEN, *(name for section in SECTIONS.values() for name in section)}
+        others = {name: load_command(name).get_short_help_str(80) for name in TOP_LEVEL if name not in listed}
+        return {**SECTIONS, _OTHERS: others} if others else SECTIONS
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name in FOLDERS:
+            return _Folder(
+                cmd_name,
+                help=f"{dict(item for section in SECTIONS.values() for item in section.items())[cmd_name]}",
+                context_settings=_CONTEXT,
+            )
+        return load_command(cmd_name) if cmd_name in TOP_LEVEL else None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        former = FORMER_NAMES.get(args[0])
+        if former is not None:
+            print(f"note: `tachk {args[0]}` is now `tachk {former.name}`; the old name will go", file=sys.stderr)
+            args = former.arguments(args[1:])
+        return super().resolve_command(ctx, args)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        self.format_commands(ctx, formatter)
 
 
 def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool) -> None:
@@ -141,16 +190,24 @@ def _print_version(ctx: click.Context, parameter: click.Parameter, wanted: bool)
         ctx.exit()
 
 
-@click.group(name="tachk", cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+_CONTEXT = {"help_option_names": ["-h", "--help"]}
+
+
+@click.group(
+    name="tachk",
+    cls=_Program,
+    context_settings=_CONTEXT,
+    options_metavar="[--version]",
+    subcommand_metavar="COMMAND [--help] ...",
+)
 @click.option(
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_print_version, help="Print the version."
 )
 def app() -> None:
-    """Model checking of networks of timed automata.
+    """Check protocols and controllers whose correctness depends on time.
 
-    Exit status: 0 everything is as expected, 10 something is not, 20 something is unknown or a limit was hit,
-    2 bad input or usage, 3 unsupported feature, 70 a defect of tachk. If several apply, it is the first of
-    70, 2, 10, 3, 20, 0.
+    Exit status: 0 as expected, 10 not as expected, 20 unknown or a limit was hit, 2 wrong input or options, 3 not
+    supported, 70 a defect of tachk; the first of 70, 2, 10, 3, 20, 0 that applies.
     """
 
 

@@ -33,6 +33,30 @@ class Choice(click.Choice[_E]):
         return str(choice)
 
 
+class SectionedCommand(click.Command):
+    """A command whose help shows a few options first, and the others under headings.
+
+    Args:
+        sections: the parameters under each heading.
+    """
+
+    def __init__(self, *args: Any, sections: Mapping[str, Iterable[str]], **others: Any) -> None:
+        super().__init__(*args, **others)
+        self._sections = sections
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        records = {
+            each.name: record
+            for each in self.get_params(ctx)
+            if not isinstance(each, click.Argument) and (record := each.get_help_record(ctx)) is not None
+        }
+        placed = {name for names in self._sections.values() for name in names}
+        first = [name for name in records if name not in placed]
+        for heading, names in {"Options": first, **self._sections}.items():
+            with formatter.section(heading):
+                formatter.write_dl([records[name] for name in names])
+
+
 def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> None:
     """Runs a command and ends the program with its status; an error becomes a message.
 

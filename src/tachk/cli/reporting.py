@@ -65,10 +65,18 @@ class RunReporting(Reporting):
     Attributes:
         trace: the runs that are given as evidence; None: some, of unexpected answers only.
         every_trace: those of expected answers too.
+        junit, sarif: files for the same answers in these formats, beside the report.
     """
 
     trace: EvidenceChoice | None = None
     every_trace: bool = False
+    junit: Path | None = None
+    sarif: Path | None = None
+
+    @property
+    def beside(self) -> dict[str, Path]:
+        """The files beside the report, by format."""
+        return {form: path for form, path in (("junit", self.junit), ("sarif", self.sarif)) if path is not None}
 
     @property
     def evidence(self) -> EvidenceChoice:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TextIO
 
@@ -19,9 +19,12 @@ from tachk.report.run_formats import Presentation, report_writer
 class RunReport:
     """Gathers what was found about each model, also about those that cannot be read, for the writer of the format."""
 
-    def __init__(self, out: TextIO | None, reporting: RunReporting, display: RunDisplay) -> None:
+    def __init__(self, outputs: Mapping[str, TextIO | None], reporting: RunReporting, display: RunDisplay) -> None:
+        """Args:
+        outputs: the destination of the report in each format; None: nowhere.
+        """
         presentation = Presentation(console, reporting.shows_every_run, reporting.evidence.value, display)
-        self._writer = None if out is None else report_writer(reporting.form, out, presentation)
+        self._writers = [report_writer(form, out, presentation) for form, out in outputs.items() if out is not None]
         self._records: list[RunRecord | NotRead] = []
 
     @contextmanager
@@ -48,11 +51,11 @@ class RunReport:
 
     def add(self, record: RunRecord) -> None:
         """One model has been checked."""
-        if self._writer is not None:
-            self._writer.add(record)
+        for writer in self._writers:
+            writer.add(record)
         self._records.append(record)
 
     def finish(self) -> None:
         """All models have been checked."""
-        if self._writer is not None:
-            self._writer.finish(self._records)
+        for writer in self._writers:
+            writer.finish(self._records)

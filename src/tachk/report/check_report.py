@@ -5,14 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote
 
-import tachk
-from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.plain_data import Fields, PlainData, complaint
-from tachk.base.span import Span
+from tachk.report.annotations import annotated, to_github, to_sarif, with_help
 
 if TYPE_CHECKING:
     from tachk.model.network import Network
@@ -85,116 +82,18 @@ def _deep_to_json(check: Checked) -> dict[str, Any] | None:
     return deep_to_json(check.network, check.deep)
 
 
+def _complaints(checks: Iterable[Checked]) -> list[str]:
+    return [with_help(f"{c.model}: {c.complaint}", c.help) for c in checks if c.complaint is not None]
+
+
 def checks_to_sarif(checks: Sequence[Checked]) -> dict[str, Any]:
     """SARIF 2.1.0, the form of code scanning."""
-    found = [diagnostic for check in checks for diagnostic in check.everything]
-    codes = sorted({diagnostic.code for diagnostic in found})
-    complaints = [check for check in checks if check.complaint is not None]
-    return {
-        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
-        "version": "2.1.0",
-        "runs": [
-            {
-                "tool": {
-                    "driver": {
-                        "name": "tachk",
-                        "version": tachk.__version__,
-                        "rules": [_sarif_rule(code) for code in codes],
-                    }
-                },
-                "columnKind": "unicodeCodePoints",
-                "invocations": [
-                    {
-                        "executionSuccessful": not complaints,
-                        "toolExecutionNotifications": [
-                            {"level": "error", "message": {"text": _sentence(check.complaint or "", check.help)}}
-                            for check in complaints
-                        ],
-                    }
-                ],
-                "results": [_sarif_result(diagnostic, codes.index(diagnostic.code)) for diagnostic in found],
-            }
-        ],
-    }
+    return to_sarif([annotated(found) for check in checks for found in check.everything], _complaints(checks))
 
 
-def _sarif_rule(code: str) -> dict[str, Any]:
-    from tachk.base.diagnostics.explanation import all_explanations  # reads a file
-
-    explanation = all_explanations().get(code)
-    if explanation is None:
-        return {"id": code}
-    return {
-        "id": code,
-        "shortDescription": {"text": explanation.title},
-        "fullDescription": {"text": explanation.why},
-        "help": {"text": f"tachk explain {code}"},
-    }
-
-
-def _sarif_result(diagnostic: Diagnostic, rule: int) -> dict[str, Any]:
-    related = [{**_sarif_location(label.span), "message": {"text": label.text}} for label in diagnostic.labels]
-    return {
-        "ruleId": diagnostic.code,
-        "ruleIndex": rule,
-        "level": diagnostic.severity.value,
-        "message": {"text": _sentence(diagnostic.message, diagnostic.help)},
-        "locations": [_sarif_location(diagnostic.span)],
-        **({"relatedLocations": related} if related else {}),
-    }
-
-
-def _sarif_location(span: Span) -> dict[str, Any]:
-    place = _FilePlace(span)
-    return {
-        "physicalLocation": {
-            "artifactLocation": {"uri": quote(PurePath(place.file).as_posix())},
-            "region": {
-                "startLine": place.line,
-                "startColumn": place.column,
-                "endLine": place.end_line,
-                "endColumn": place.end_column,
-            },
-        }
-    }
-
-
-def checks_to_github(checks: Iterable[Checked]) -> Iterator[str]:
+def checks_to_github(checks: Sequence[Checked]) -> Iterator[str]:
     """Workflow commands: GitHub Actions shows each as an annotation at its line."""
-    for check in checks:
-        if check.complaint is not None:
-            yield f"::error title=tachk::{_escaped(_sentence(f'{check.model}: {check.complaint}', check.help))}"
-        for diagnostic in check.everything:
-            place = _FilePlace(diagnostic.span)
-            fields = {"file": place.file, "line": place.line, "endLine": place.end_line}
-            if place.line == place.end_line:
-                fields |= {"col": place.column, "endColumn": place.end_column}
-            fields["title"] = diagnostic.code
-            written = ",".join(f"{name}={_escaped_field(str(value))}" for name, value in fields.items())
-            level = "error" if diagnostic.severity is Severity.ERROR else "warning"
-            yield f"::{level} {written}::{_escaped(_sentence(diagnostic.message, diagnostic.help))}"
-
-
-class _FilePlace:
-    """The place of a range in the file that people see; lines and columns count from 1."""
-
-    def __init__(self, span: Span) -> None:
-        place = span.in_file
-        self.file = place.source.name
-        self.line, self.column = place.source.line_column(place.start)
-        self.end_line, self.end_column = place.source.line_column(place.end)
-
-
-def _sentence(message: str, help: str | None) -> str:
-    return f"{message} ({help})" if help else message
-
-
-def _escaped(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _escaped_field(text: str) -> str:
-    return _escaped(text).replace(":", "%3A").replace(",", "%2C")
+    return to_github([annotated(found) for check in checks for found in check.everything], _complaints(checks))
 
 
 CHECK_FORMATS: dict[str, Callable[[Sequence[Checked]], str]] = {

@@ -21,6 +21,8 @@ RUN_FORMATS = {
     "text": "tachk.report.text_report:TextReport",
     "json": "tachk.report.json_report:JsonReport",
     "junit": "tachk.report.junit_report:JunitReport",
+    "sarif": "tachk.report.annotated_answers:SarifReport",
+    "github": "tachk.report.annotated_answers:GithubReport",
     "verifyta": "tachk.report.verifyta_report:VerifytaReport",
 }
 """The subclass of `ReportWriter` that writes each format."""

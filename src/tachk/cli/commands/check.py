@@ -42,6 +42,9 @@ if TYPE_CHECKING:
 )
 @click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
 @click.option(
+    "--sarif", metavar="FILE", type=options.type_of_file, help="Also write the findings as SARIF, for code hosts."
+)
+@click.option(
     "deep",
     "--deep",
     is_flag=True,
@@ -64,6 +67,7 @@ def run_check(
     strict_xta: bool = False,
     seconds: float | None = None,
     deep: bool = False,
+    sarif: Path | None = None,
 ) -> ExitStatus:
     """Reads every model and reports its mistakes and warnings.
 
@@ -75,12 +79,13 @@ def run_check(
         strict_xta: refuse what tachk adds to the language of UPPAAL.
         seconds: of each model; one that takes longer is left, and the status is UNKNOWN if it is no worse.
         deep: explore the states of each model, and tell what no run does; see `tachk.verify.semantic_lint`.
+        sarif: a file for the findings as SARIF, beside the report.
     """
     from tachk.cli.arguments import parse_definitions
 
     constants = parse_definitions(definitions)
     checks: list[Checked] = []
-    with destination(output) as out:
+    with destination(output) as out, destination(sarif, quiet=True) as beside:
         assert out is not None
         for path in models:
             checks.append(_within(seconds, path, constants, version, strict_xta, deep))
@@ -90,6 +95,8 @@ def run_check(
                 break
         if form != "text":
             out.write(CHECK_FORMATS[form](checks))
+        if beside is not None:
+            beside.write(CHECK_FORMATS["sarif"](checks))
     return worst(_status(check) for check in checks)
 
 

@@ -1,23 +1,26 @@
-"""`tachk convert`: write a model in another form."""
+"""`tachk convert`: write a model in another form, as a unit for co-simulation (FMU), or for another program."""
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tachk.base.diagnostics.diagnostic import InputError, TachkError, UsageError
+from tachk.base.records import dataclass
 from tachk.base.span import Span
+from tachk.base.whole_files import write_whole
 from tachk.cli import options
-from tachk.cli.commands.export import files_of, write_files
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
-from tachk.formats.catalogue import SUFFIXES, export_model, format_of
-from tachk.formats.exported import Writing
+from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES, export_model, format_of
+from tachk.formats.exported import Exported, Writing
 from tachk.syntax.source_files import read_source
 
 if TYPE_CHECKING:
@@ -25,60 +28,202 @@ if TYPE_CHECKING:
     from tachk.syntax import ast
 
 
-_ENDINGS = (".ta", *SUFFIXES)
+_TEXT, _UNIT = "ta", "fmu"
+"""Formats of their own: tachk's language, which keeps imports and comments, and a unit for co-simulation."""
+
+_ENDINGS = (".ta", *SUFFIXES, ".fmu")
 _HELP = f"""Write a model in another format: {", ".join(_ENDINGS[:-1])} or {_ENDINGS[-1]}.
 
 A .ta file keeps imports. The other formats contain the imported files, and what tachk adds to UPPAAL's language is
-written out in full. Without --force, a file with other contents is not overwritten.
+written out in full; queries stand in a file beside the model where its format has no place for them. An .fmu file is a
+unit for co-simulation by the standard FMI.
 """
+
+
+@dataclass(frozen=True, slots=True)
+class ConvertArguments:
+    """Arguments of `tachk convert`.
+
+    Attributes:
+        source: a model, or a file of queries.
+        output: the file to write; None: standard output.
+        form: the format; None: the one that the ending of the output means, or tachk's language.
+        query_files: queries that become properties of a .ta file.
+        fix: names that some version of UPPAAL refuses are replaced; None: if the model is tachk's text and is to be
+            another program's.
+        force: files with other contents are overwritten.
+        explain: tell what is written differently, and where.
+        observers: temporal properties are written as automata.
+        fmi: the version of a unit.
+        processes: the names of those that are in a unit, with commas between; None: all.
+    """
+
+    source: str
+    output: Path | None = None
+    form: str | None = None
+    query_files: tuple[Path, ...] = ()
+    definitions: tuple[str, ...] = ()
+    fix: bool | None = None
+    force: bool = False
+    explain: bool = False
+    observers: bool | None = None
+    fmi: str | None = None
+    processes: str | None = None
+
+    @property
+    def format(self) -> str:
+        """Raises UsageError where the ending of the output means none."""
+        if self.form is not None:
+            return self.form
+        if self.output is None:
+            return _TEXT
+        known = {".ta": _TEXT, ".fmu": _UNIT}.get(self.output.suffix.lower())
+        return known or format_of(self.output, (".ta", ".fmu"))
 
 
 @click.command(name="convert", help=_HELP)
 @click.argument("source", metavar="IN", type=click.Path(), help="A model, or a file of queries.")
 @click.argument(
-    "output",
-    metavar="OUT",
+    "out",
+    metavar="[OUT]",
     type=options.type_of_file,
-    help="The file to write; its ending is the format. - prints the model in tachk's own format.",
+    required=False,
+    help="The file to write; its ending is the format. Without it, or with -, tachk prints the model.",
 )
+@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="The same as OUT.")
+@click.option(
+    "form",
+    "--format",
+    type=click.Choice([_TEXT, *EXPORT_FORMATS, _UNIT]),
+    help="The format, where the ending of OUT does not say it; without OUT ta.",
+)
+@options.definitions
 @options.query_files("Add the queries of this file to a .ta file.")
-@click.option("--fix", is_flag=True, help="Replace names that some version of UPPAAL refuses.")
+@click.option(
+    "--fix/--keep-names",
+    default=None,
+    help="Replace or keep names that some version of UPPAAL refuses. Without this option they are replaced when a .ta "
+    "file becomes a file for another program.",
+)
 @click.option("--force", is_flag=True, help="Overwrite files with other contents, also those that you have edited.")
+@click.option("--explain", is_flag=True, help="Print what is written differently than in the model, and where.")
+@click.option(
+    "--observers/--no-observers",
+    default=None,
+    help="Write temporal properties as observer automata (default), or as comments.",
+)
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="The version of FMI of a unit; 3 by default.")
+@click.option("--processes", metavar="NAMES", help="Of a unit: only these processes or templates, with commas between.")
 @options.max_seconds()
-def command(
-    source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool, seconds: float | None
-) -> None:
-    options.finish(lambda: run_convert(source, output, query_files, fix, force), seconds)
+def command(out: Path | None, output: Path | None, seconds: float | None, **given: Any) -> None:
+    if out is not None and output is not None:
+        raise click.UsageError(f"{out} and -o {output} both name the file to write: give one.")
+    output = output if out is None else out
+    arguments = ConvertArguments(output=None if output is None or str(output) == "-" else output, **given)
+    options.finish(lambda: run_convert(arguments), seconds)
 
 
-def run_convert(source: str, output: Path, query_files: tuple[Path, ...], fix: bool, force: bool = False) -> ExitStatus:
+def run_convert(arguments: ConvertArguments) -> ExitStatus:
     """Writes a file in another form.
 
-    To tachk's own language nothing but the text is read, so an incomplete model can be converted too; ``-`` as output
-    prints canonical text, for `git diff` and the like. Files that say something else already are overwritten only by
-    ``force``: they may have been edited.
+    To tachk's own language nothing but the text is read, so an incomplete model can be converted too, for `git diff`
+    and the like. Files that say something else already are overwritten only by ``force``: they may have been edited.
     """
-    from tachk.api import model as api
-
-    target = output.suffix.lower()
-    to_text = str(output) == "-" or target == ".ta"
+    form, source, output = arguments.format, arguments.source, arguments.output
+    _check_options(arguments, form)
+    if form == _UNIT:
+        return _write_unit(arguments)
     if source.endswith(".q"):
         files = _convert_queries(Path(source), output)
-    elif to_text:
-        files = _convert_to_text(Path(source), output, query_files, fix)
+    elif form == _TEXT:
+        files = _convert_to_text(Path(source), output or Path("-"), arguments.query_files, bool(arguments.fix))
     else:
-        if query_files:
-            raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
-        model = api.load(source)
-        print_diagnostics(model.warnings)
-        exported = export_model(model.loaded, format_of(output, (".ta",)), Writing(repair_names=fix))
+        files = _exported(arguments, form)
+    if output is None:
+        sys.stdout.write(next(iter(files.values())))
+    else:
+        _keep_edited(files, arguments.force)
+        for path, text in files.items():
+            write_whole(path, text)
+        print(f"written: {', '.join(map(str, files))}")
+    return ExitStatus.AS_EXPECTED
+
+
+def _check_options(arguments: ConvertArguments, form: str) -> None:
+    """Raises UsageError for an option that means nothing for this format."""
+    for_units = {"--fmi": arguments.fmi, "--processes": arguments.processes}
+    for_programs = {
+        "-D": arguments.definitions or None,
+        "--explain": arguments.explain or None,
+        "--observers, --no-observers": arguments.observers,
+    }
+    if form != _UNIT:
+        given = [name for name, value in for_units.items() if value is not None]
+        if given:
+            raise UsageError(f"{given[0]} goes with --format fmu")
+    if form in (_TEXT, _UNIT):
+        given = [
+            name for name, value in for_programs.items() if value is not None and (form == _TEXT or name != "-D")
+        ]
+        if given:
+            where = "a .ta file is the model as it is written" if form == _TEXT else "a unit has the model as it is"
+            raise UsageError(f"{given[0]} is for files of other programs: {where}")
+    if form == _UNIT and arguments.fix is not None:
+        raise UsageError("--fix and --keep-names are for files of other programs: a unit has the model as it is")
+    if form != _TEXT and arguments.query_files:
+        raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
+
+
+def _exported(arguments: ConvertArguments, form: str) -> dict[Path, str]:
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_definitions
+
+    constants = parse_definitions(arguments.definitions)
+    model = api.load(arguments.source, **constants)
+    print_diagnostics(model.warnings)
+    fix = arguments.source.lower().endswith(".ta") if arguments.fix is None else arguments.fix
+    writing = Writing(tuple(constants), fix, arguments.observers is not False)
+    exported = export_model(model.loaded, form, writing)
+    if arguments.explain:
+        _explain(exported)
+    elif arguments.fix:
         _report([step for step in exported.steps if step.kind == "name"])
-        files = files_of(exported, output)
-    if str(output) == "-":
-        sys.stdout.write(files[output])
+    output = arguments.output or Path("-")
+    return {output: exported.text} | ({output.with_suffix(".q"): exported.queries} if exported.queries else {})
+
+
+def _explain(exported: Exported) -> None:
+    """Prints each construct that was written differently, with its place, then the number of each kind."""
+    _report(exported.steps)
+    counts = Counter(step.kind for step in exported.steps)
+    summary = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing was written differently"
+    print(f"expanded: {summary}", file=sys.stderr)
+
+
+_NAMES = re.compile(r"(?:\([^)]*\)|[^,()])+")
+"""Parts between commas, but not those in parentheses: `Link(0, 1),Client`."""
+
+
+def _write_unit(arguments: ConvertArguments) -> ExitStatus:
+    """Writes a model as a unit for co-simulation."""
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_definitions
+    from tachk.simulation.fmi.archive import write_unit
+    from tachk.simulation.fmi.description import FmiVersion
+    from tachk.simulation.fmi.unit import closed_unit, open_unit
+
+    if arguments.output is None:
+        raise UsageError("a unit is a file of its own", "name it with -o FILE.fmu")
+    source = api.load(arguments.source, **parse_definitions(arguments.definitions))
+    print_diagnostics((*source.refusals, *source.warnings))
+    version, name = FmiVersion(arguments.fmi or "3"), Path(arguments.source).stem
+    if arguments.processes is None:
+        unit = closed_unit(source.network, name)
     else:
-        _keep_edited(files, force)
-        write_files(files)
+        names = [part.strip() for part in _NAMES.findall(arguments.processes)]
+        unit = open_unit(source.network, names, name, clocks=version is FmiVersion.THREE)
+    write_unit(unit, version, arguments.output)
+    print(f"written: {arguments.output}, FMI {version.value}.0, {len(unit.variables)} variables")
     return ExitStatus.AS_EXPECTED
 
 
@@ -145,7 +290,7 @@ def _wrong_queries(source: Path) -> set[str]:
     return {query.name for query in loaded.unchecked if query.is_wrong and query.name in named}
 
 
-def _report(steps: list[PlainRewriting]) -> None:
+def _report(steps: Iterable[PlainRewriting]) -> None:
     for step in steps:
         print(step, file=sys.stderr)
 
@@ -172,17 +317,17 @@ def _properties(path: Path, at: Span) -> list[ast.PropertyDeclaration]:
     ]
 
 
-def _convert_queries(source: Path, output: Path) -> dict[Path, str]:
+def _convert_queries(source: Path, output: Path | None) -> dict[Path, str]:
     from tachk.formats.plain.plain_model import PlainQuery
     from tachk.formats.uppaal.query_file import print_queries
     from tachk.syntax.parsing.parser import has_errors
     from tachk.syntax.query_files import parse_queries
 
-    if output.suffix.lower() != ".q" and str(output) != "-":
+    if output is not None and output.suffix.lower() != ".q":
         raise UsageError(
             f"{source} is a file of queries", "give it with -q beside a model, or convert it to another .q"
         )
     entries, diagnostics = parse_queries(read_source(source))
     if has_errors(diagnostics):
         raise InputError(diagnostics)
-    return {output: print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])}
+    return {output or Path("-"): print_queries([PlainQuery("", e.formula, e.comment, e.expectation) for e in entries])}

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.plain_data import PlainData
 from tachk.cli import options
+from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.reporting import Reporting
 from tachk.syntax.source_files import read_source
 
 if TYPE_CHECKING:
@@ -20,21 +23,28 @@ if TYPE_CHECKING:
     from tachk.formats.plain.plain_model import PlainModel
 
 
+_PLAIN = PlainData({})
+
+
 @click.command(name="diff")
 @click.argument("before", metavar="A", type=click.Path(), help="A model.")
 @click.argument("after", metavar="B", type=click.Path(), help="The same model, changed.")
 @options.definitions
 @options.max_seconds()
-def command(before: str, after: str, definitions: tuple[str, ...], seconds: float | None) -> None:
+@options.report("text", "json")
+def command(before: str, after: str, definitions: tuple[str, ...], seconds: float | None, **given: Any) -> None:
     """Show how the behaviour of two models differs. Layout, comments and most order do not count.
 
     Exit status: 0 no difference, 1 some difference.
     """
 
-    options.finish(lambda: run_diff(before, after, definitions), seconds)
+    (reporting,) = options.distributed(given, Reporting)
+    options.finish(lambda: run_diff(before, after, definitions, reporting), seconds)
 
 
-def run_diff(before: str, after: str, definitions: Iterable[str] = ()) -> ExitStatus:
+def run_diff(
+    before: str, after: str, definitions: Iterable[str] = (), reporting: Reporting = Reporting()
+) -> ExitStatus:
     """Prints the differences in the behaviour of two models; nothing if nothing is.
 
     Args:
@@ -44,7 +54,12 @@ def run_diff(before: str, after: str, definitions: Iterable[str] = ()) -> ExitSt
     from tachk.formats.difference import least_difference, print_difference
 
     changes = least_difference(*_models(before, after, parse_definitions(definitions)))
-    sys.stdout.write(print_difference(changes))
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None and reporting.form == "json":
+            json.dump({"before": before, "after": after, "changes": [_PLAIN.of(each) for each in changes]}, out, indent=2)
+            out.write("\n")
+        elif out is not None:
+            out.write(print_difference(changes))
     return ExitStatus.DIFFERENT if changes else ExitStatus.AS_EXPECTED
 
 

@@ -15,26 +15,39 @@ from tachk.cli import options
 from tachk.cli.exit_status import ExitStatus
 
 if TYPE_CHECKING:
+    from tachk.logic.patterns import Pattern
     from tachk.recordings.monitors.formulas import NamedFormula
     from tachk.syntax.formula import Formula
 
 
 @click.command(name="explain")
 @click.argument(
-    "what",
+    "subjects",
     metavar="CODE|FORMULA|FILE",
     type=click.Path(),
+    nargs=-1,
     help="The code of a message, such as E0214; a formula or sentence; or a file with formulas or sentences.",
 )
+@click.option(
+    "sentences",
+    "--sentences",
+    is_flag=True,
+    help="List the sentences that express properties; with words behind it, those that contain them.",
+)
 @options.max_seconds()
-def command(what: str, seconds: float | None) -> None:
+def command(subjects: tuple[str, ...], sentences: bool, seconds: float | None) -> None:
     """Explain a message of tachk, or a property that is written as a formula or a sentence.
 
     For a message: what it means, an example, how to mend it. For a property: its formula in canonical form, how far it
     looks ahead, and whether all its intervals begin at 0.
     """
-
-    options.finish(lambda: run_explain(what), seconds)
+    if sentences:
+        options.finish(lambda: run_sentences(subjects), seconds)
+    if not subjects:
+        raise click.UsageError("Missing argument 'CODE|FORMULA|FILE'.")
+    if len(subjects) > 1:
+        raise click.UsageError(f"Got unexpected extra arguments ({' '.join(subjects[1:])})")
+    options.finish(lambda: run_explain(subjects[0]), seconds)
 
 
 _INSTANTS = "instants  what is true for no time only, such as in a committed location of a model, does not count"
@@ -155,3 +168,28 @@ def _time(reach: Fraction, unit: str) -> str:
     if not name:
         return f"{print_number(reach)} time unit{'' if reach == 1 else 's'}"
     return f"{print_number(reach * Fraction(amount or 1))} {name}"
+
+
+def run_sentences(words: tuple[str, ...]) -> ExitStatus:
+    """Prints the catalogue, or the patterns in which every word occurs."""
+    from tachk.logic.patterns import CATALOGUE
+
+    wanted = [word.lower() for word in words]
+    found = False
+    for family in CATALOGUE:
+        chosen = [pattern for pattern in family.patterns if all(word in _searched(pattern) for word in wanted)]
+        if not chosen:
+            continue
+        print(f"\n{family.title}" if found else family.title)
+        found = True
+        for pattern in chosen:
+            print(f"\n  {pattern.name}: {pattern.meaning}")
+            print(f"      {pattern.example}")
+            print(f"      {pattern.formula}")
+    if not found:
+        raise UsageError(f"no pattern has the word {' '.join(words)}", "tachk explain --sentences lists them all")
+    return ExitStatus.AS_EXPECTED
+
+
+def _searched(pattern: Pattern) -> str:
+    return f"{pattern.name} {pattern.meaning} {pattern.example} {pattern.formula}".lower()

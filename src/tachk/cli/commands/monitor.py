@@ -82,6 +82,15 @@ def _reader() -> Callable[[int], bytes | None]:
     type=options.type_of_file,
     help="Write the truth and the robustness of each formula over time, as comma-separated values.",
 )
+@click.option(
+    "over",
+    "--find",
+    metavar="NAME=LOW..HIGH",
+    multiple=True,
+    help="Find the tightest value of this name in the formula, from this range, with which each TRACE, taken alone, "
+    "satisfies it.",
+)
+@click.option("step", "--step", metavar="NUMBER", help="With --find: try multiples of this number only.")
 @click.option("--online", is_flag=True, help="Read the trace row by row, with bounded memory.")
 @click.option("--follow", is_flag=True, help="At the end of the file, wait for further rows.")
 @click.option("--live", is_flag=True, help="TRACE is a capture of packets that is being made: - or a file.")
@@ -92,11 +101,18 @@ def command(seconds: float | None, **given: Any) -> None:
     """Check formulas, sentences or the properties of a model on a recorded trace.
 
     Exit status: 0 all are true, 10 some are false, 20 some are undetermined or time ran out and none is false,
-    2 bad input.
+    2 bad input. With --find: 0 there is such a value, 10 there is none.
     """
+    from tachk.cli.found_parameter import ParameterSearch, run_find
     from tachk.cli.trace_arguments import TraceArguments
 
-    arguments = options.distributed(given, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting)
+    search, *arguments = options.distributed(
+        given, ParameterSearch, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting
+    )
+    if search.over:
+        options.finish(lambda: run_find(search, *arguments), seconds)
+    if search.step is not None:
+        raise click.UsageError("--step goes with --find.")
     options.finish(lambda: run_monitor(*arguments), seconds)
 
 

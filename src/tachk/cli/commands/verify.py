@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -44,8 +45,17 @@ if TYPE_CHECKING:
 
 _DEFAULT = Options()
 
+_SECTIONS = {
+    "Meaning": ("non_zeno",),
+    "Reports": ("quiet", "junit", "sarif", "every_trace", "clocks", "every_step", "chart"),
+    "Proofs": ("certificate", "munta"),
+    "Limits": ("states", "seconds_each", "max_memory", "depth"),
+    "Search": ("engine", "order", "seed", "extrapolation", "without", "local_times", "partial_order", "processes"),
+}
+"""Options by the headings of the help; the others come first."""
 
-@click.command(name="verify")
+
+@click.command(name="verify", cls=options.SectionedCommand, sections=_SECTIONS)
 @click.argument(
     "arguments",
     metavar="MODEL|QUERY...",
@@ -95,6 +105,10 @@ _DEFAULT = Options()
     "several searches. slowest: the run that was found, as late as it can be.",
 )
 @options.report(*RUN_FORMATS)
+@click.option("--junit", metavar="FILE", type=options.type_of_file, help="Also write the answers as JUnit XML, for CI.")
+@click.option(
+    "--sarif", metavar="FILE", type=options.type_of_file, help="Also write unexpected answers as SARIF, for code hosts."
+)
 @click.option(
     "certificate",
     "--certificate",
@@ -247,8 +261,12 @@ def run_verify(
             f"-o {reporting.output} is a search order of UPPAAL, here --search; -o names the file for the report",
             f"`tachk verifyta` takes UPPAAL's options; a file of that name is ./{reporting.output}",
         )
-    with destination(reporting.output, reporting.quiet) as out:
-        report = RunReport(out, reporting, display)
+    with ExitStack() as stack:
+        outputs = {form: stack.enter_context(destination(path)) for form, path in reporting.beside.items()}
+        if reporting.form in outputs:
+            raise UsageError(f"--{reporting.form} and --format {reporting.form} are the same report", "give one of them")
+        outputs[reporting.form] = stack.enter_context(destination(reporting.output, reporting.quiet))
+        report = RunReport(outputs, reporting, display)
 
         def check_all() -> ExitStatus:
             with report.listing():
