@@ -2,7 +2,7 @@
 
     python bench/measured_verdicts.py FOLDER [--only PREFIX] [--model MODEL] [--seconds 120]
 
-For each FILE.pcap of the folder: the settings of `tachk measure`, and for each of the seven properties what `tachk
+For each FILE.pcap of the folder: the settings of `tachk xrce measure`, and for each of the seven properties what `tachk
 monitor` says of the capture and `tachk verify` of the model. It contradicts the capture where a property that the
 capture violates holds in the model; `open` is what the capture ends too early for.
 """

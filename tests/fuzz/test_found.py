@@ -45,11 +45,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("sweep", "lamp.ta", "-D", "LIMIT=1..3", "--part", f"{LONG}/3"),
         ("synthesize", "lamp.ta", "--over", f"LIMIT=1..3:{LONG}", "--property", "few"),
         ("chart", "g.csv", "--from", LONG),
-        ("proxy", "--listen", LONG, "--show"),
-        ("proxy", "--listen", "9001", "--show", "--rule", f"drop DATA {LONG}"),
-        ("proxy", "--listen", "9001", "--show", "--rule", f"drop the {LONG}th DATA"),
-        ("proxy", "--listen", "9001", "--show", "--rule", f"drop {LONG} % of DATA"),
-        ("proxy", "--listen", "9001", "--show", "--rule", f"drop DATA on {LONG}"),
+        ("xrce", "proxy", "--listen", LONG, "--show"),
+        ("xrce", "proxy", "--listen", "9001", "--show", "--rule", f"drop DATA {LONG}"),
+        ("xrce", "proxy", "--listen", "9001", "--show", "--rule", f"drop the {LONG}th DATA"),
+        ("xrce", "proxy", "--listen", "9001", "--show", "--rule", f"drop {LONG} % of DATA"),
+        ("xrce", "proxy", "--listen", "9001", "--show", "--rule", f"drop DATA on {LONG}"),
         ("estimate", "lamp.ta", "Pr[<=1e99999999](<> n == 2)"),
         ("simulate", "lamp.ta", "-o", "x.csv", "--fault", f"loss={LONG}"),
     ],
@@ -79,7 +79,7 @@ def test_selects_of_too_many_values_are_rejected_where_they_are_tried(capsys: py
         "int n; process P() { init location A { to A { select i : int[0, 1073741823]; guard i == 5; } } } system P;"
     )
     Path("m.run").write_text("1 P: A -> A\n")
-    for command in (("replay", "m.ta", "m.run"), ("export", "m.ta", "-o", "m.muntax"), ("step", "m.ta")):
+    for command in (("replay", "m.ta", "m.run"), ("convert", "m.ta", "m.muntax"), ("step", "m.ta")):
         status, said = run(capsys, *command)
         assert (status, "E0708" in said) == (3, True)
 
@@ -89,7 +89,7 @@ def test_a_trace_for_the_proxy_is_checked_before_it_is_used(capsys: pytest.Captu
         document: Any = json.loads(json.dumps(STALE))
         document["runs"][0][place] = "x\n"
         Path("t.json").write_text(json.dumps(document))
-        status, said = run(capsys, "proxy", "--listen", "1", "--show", "--from-trace", "t.json")
+        status, said = run(capsys, "xrce", "proxy", "--listen", "1", "--show", "--from-trace", "t.json")
         assert (status, f"$.runs[0].{place}" in said) == (2, True)
 
 
@@ -97,7 +97,7 @@ def test_integers_of_reports_are_integers(capsys: pytest.CaptureFixture[str]) ->
     document: Any = json.loads(json.dumps(STALE))
     document["runs"][0]["constants"]["PUB_UP"] = 1e15
     Path("t.json").write_text(json.dumps(document))
-    status, said = run(capsys, "proxy", "--listen", "1", "--show", "--from-trace", "t.json")
+    status, said = run(capsys, "xrce", "proxy", "--listen", "1", "--show", "--from-trace", "t.json")
     assert (status, "is not of type 'integer'" in said) == (2, True)
 
 
@@ -107,7 +107,7 @@ def test_json_that_no_report_is(capsys: pytest.CaptureFixture[str], text: str) -
     for command in (
         ("replay", "lamp.ta", "t.json"),
         ("draw", "--coverage", "t.json", "dimmer.ta", "-o", "a.svg"),
-        ("proxy", "--listen", "1", "--show", "--from-trace", "t.json"),
+        ("xrce", "proxy", "--listen", "1", "--show", "--from-trace", "t.json"),
     ):
         assert run(capsys, *command)[0] == 2
 
@@ -187,7 +187,7 @@ def test_deadlock_is_no_number(capsys: pytest.CaptureFixture[str], query: str, c
 def test_rules_are_read(capsys: pytest.CaptureFixture[str]) -> None:
     Path("rules").write_text(RULES)
     listening = ("--listen", "9001", "--listen", "9002")
-    assert run(capsys, "proxy", *listening, "--show", "--script", "rules")[0] == 0
+    assert run(capsys, "xrce", "proxy", *listening, "--show", "--script", "rules")[0] == 0
 
 
 def test_a_time_beyond_doubles_is_shown(capsys: pytest.CaptureFixture[str]) -> None:

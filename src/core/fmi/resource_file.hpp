@@ -1,4 +1,4 @@
-// The data of a unit for co-simulation: a file that `tachk export --format fmu` writes, and that lies beside the
+// The data of a unit for co-simulation: a file that `tachk convert --format fmu` writes, and that lies beside the
 // library. `tachk.simulation.fmi.resource_file` has the same fields.
 #pragma once
 

@@ -1,4 +1,4 @@
-"""Messages at places of files, in the forms that code hosts read: SARIF 2.1.0 and the commands of GitHub's workflows."""
+"""Messages at places of files, for code hosts: SARIF 2.1.0 and the commands of GitHub's workflows."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from tachk.base.span import Span
 RULES = {
     "unexpected-answer": (
         "The answer to a property is not the expected one.",
-        "A property is expected to hold, unless the model says `expect fails`. The message has the answer, and the run "
-        "that shows it, where there is one.",
+        "A property is expected to hold unless the model says `expect fails`. The message has the run that shows it.",
     ),
     "unknown-answer": (
         "A property was not decided.",

@@ -47,7 +47,7 @@ def model(tmp_path: Path) -> str:
         ("sweep", "--over", "K=0..1"),
         ("synthesize", "--over", "K=0..1", "--property", "q"),
         ("time", "P.A"),
-        ("export",),
+        ("convert", "--format", "xta"),
         ("step",),
     ],
     ids=" ".join,

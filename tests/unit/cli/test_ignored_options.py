@@ -45,7 +45,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("replay m.ta good.run --record nope", "there is no signal, process, location or variable 'nope'", "there are"),
         ("simulate m.ta --policy script good.run --record nope", "there is no signal, process, location", "there are"),
         ("step m.ta --property nope", "--property chooses among the runs of a report", "--load"),
-        ("proxy --listen 9 --to 127.0.0.1:8888 --property nope", "--property chooses among the runs", "--from-trace"),
+        (
+            "xrce proxy --listen 9 --to 127.0.0.1:8888 --property nope",
+            "--property chooses among the runs",
+            "--from-trace",
+        ),
         ("chart x.pcap -o c.svg --property nope", "x.pcap: --property chooses among the runs of a report", ""),
         ("verify m.ta --max-memory 0", "a limit of 0 leaves no memory", "write it like 500M"),
         ("verify m.ta --max-memory 0.3", "a limit of 0.3 leaves no memory", "write it like 500M"),

@@ -49,9 +49,9 @@ WRITERS = [
     (("simulate", "m.ta", "-o"), "runs.parquet", ("pyarrow.parquet:ParquetWriter.write_table",)),
     (("simulate", "m.ta", "-o"), "run.vcd", ("vcd.writer:VCDWriter.change",)),
     (("simulate", "m.ta", "-o"), "run.run", ()),
-    (("export", "m.ta", "-o"), "model.json", ()),
-    (("export", "m.ta", "-o"), "model.fmu", ("zipfile:ZipFile.writestr",)),
-    (("decode", str(CAPTURE), "--signals"), "streams.parquet", ("pyarrow.parquet:write_table",)),
+    (("convert", "--force", "m.ta"), "model.json", ()),
+    (("convert", "--force", "m.ta"), "model.fmu", ("zipfile:ZipFile.writestr",)),
+    (("xrce", "decode", str(CAPTURE), "--signals"), "streams.parquet", ("pyarrow.parquet:write_table",)),
     (("chart", str(CAPTURE), "-o"), "chart.svg", ()),
 ]
 CASES = [

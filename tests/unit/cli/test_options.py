@@ -8,7 +8,7 @@ import click
 import pytest
 
 from tachk.cli import main, options
-from tachk.cli.main import COMMANDS, SECTIONS, app, load_command
+from tachk.cli.main import COMMANDS, FOLDERS, HIDDEN, SECTIONS, app, load_command
 from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES
@@ -18,27 +18,31 @@ from tachk.recordings.traces.trace_files import FORMATS
 
 
 def command(name: str) -> click.Command:
-    found = app.get_command(click.Context(app), name)
-    assert found is not None
+    found: click.Command = app
+    for word in name.split():
+        assert isinstance(found, click.Group)
+        within = found.get_command(click.Context(found), word)
+        assert within is not None
+        found = within
     return found
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_is_called_as_it_is_listed(name: str) -> None:
-    assert command(name).name == name
+    assert command(name).name == name.split()[-1]
     assert command(name).get_short_help_str()
 
 
 def test_the_lines_of_the_help_are_about_commands_and_not_wrapped() -> None:
     lines = [line for section in SECTIONS.values() for line in section.items()]
-    assert {name for name, _ in lines} <= {*COMMANDS}
+    assert {name for name, _ in lines} <= {*COMMANDS, *FOLDERS}
     assert len({name for name, _ in lines}) == len(lines)
-    assert max(len(summary) for _, summary in lines) <= 78 - 2 - max(map(len, COMMANDS)) - 2
+    assert max(len(summary) for _, summary in lines) <= 78 - 2 - max(len(name) for name, _ in lines) - 2
 
 
 def test_a_command_without_a_section_comes_last(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(main, "SECTIONS", {"Verify": {"verify": "Check the properties of models."}})
-    monkeypatch.setattr(main, "COMMANDS", ("verify", "fmt"))
+    monkeypatch.setattr(main, "TOP_LEVEL", ("verify", "fmt"))
     told = app.get_help(click.Context(app, info_name="tachk"))
     assert told[told.index("Verify:") :].split() == (
         [
@@ -61,12 +65,31 @@ def test_a_command_without_a_section_comes_last(monkeypatch: pytest.MonkeyPatch)
     )
 
 
+def test_the_help_fits_one_screen_and_lists_every_command() -> None:
+    told = app.get_help(click.Context(app, info_name="tachk"))
+    assert len(told.splitlines()) <= 40
+    listed = {
+        line.split()[0]
+        for line in told[told.index("Write models") :].splitlines()
+        if line.startswith("  ") and line[2:3].islower()
+    }
+    assert listed == {*(name.split()[0] for name in COMMANDS)} - {*HIDDEN}
+
+
+def test_eight_options_of_verify_come_before_the_headings() -> None:
+    verify = command("verify")
+    told = verify.get_help(click.Context(verify))
+    first = told[told.index("\nOptions:") : told.index("\nMeaning:")]
+    assert len([line for line in first.splitlines() if line.startswith("  -")]) == 8
+    assert all(f"{option.opts[-1]} " in told for option in verify.params if isinstance(option, click.Option))
+
+
 @pytest.mark.parametrize(
     ("name", "option", "values"),
     [
         ("verify", "order", SearchOrder),
         ("verify", "extrapolation", Extrapolation),
-        ("export", "format", [*EXPORT_FORMATS, "fmu"]),
+        ("convert", "form", ["ta", *EXPORT_FORMATS, "fmu"]),
         ("check", "version", UppaalVersion),
         ("monitor", "ending", TraceEnding),
         ("monitor", "interpolation", Interpolation),

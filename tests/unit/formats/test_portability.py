@@ -229,7 +229,7 @@ def test_order_of_sections(text: str, places: list[str]) -> None:
 def test_what_the_export_does_with_an_addition() -> None:
     model = load_model(Source("model.ta", f"{PLAIN}\nproperty p : E<> P.a;"))
     assert [d.help for d in portability(model, UppaalVersion.UPPAAL_5_0)] == [
-        "`tachk export` writes it as a query, its name and expectation beside it"
+        "`tachk convert` writes it as a query, its name and expectation beside it"
     ]
 
 

@@ -1,4 +1,4 @@
-"""`tachk decode`."""
+"""`tachk xrce decode`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def capture(tmp_path: Path) -> Path:
 
 
 def test_text(capture: Path):
-    result = CliRunner().invoke(app, ["decode", str(capture)])
+    result = CliRunner().invoke(app, ["xrce", "decode", str(capture)])
     assert result.exit_code == 0
     words = [line.split(maxsplit=6)[-1] for line in result.output.splitlines()]
     assert [line[:13] for line in result.output.splitlines()] == [f"     0.00{n}000" for n in (0, 1, 2, 3, 3)]
@@ -42,7 +42,9 @@ def test_text(capture: Path):
 
 def test_json_follows_its_schema(capture: Path, tmp_path: Path):
     output = tmp_path / "out.jsonl"
-    assert CliRunner().invoke(app, ["decode", str(capture), "--format", "jsonl", "-o", str(output)]).exit_code == 0
+    assert (
+        CliRunner().invoke(app, ["xrce", "decode", str(capture), "--format", "jsonl", "-o", str(output)]).exit_code == 0
+    )
     lines = [json.loads(line) for line in output.read_text(encoding="utf-8").splitlines()]
     for line in lines:
         jsonschema.validate(line, SCHEMA)
@@ -56,14 +58,14 @@ def test_the_schema_knows_every_kind_and_no_other():
 
 def test_standard_input(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("sys.stdin", TextIOWrapper(BytesIO(pcap([udp(HEARTBEAT)]))))
-    result = CliRunner().invoke(app, ["decode", "-"], input=pcap([udp(HEARTBEAT)]))
+    result = CliRunner().invoke(app, ["xrce", "decode", "-"], input=pcap([udp(HEARTBEAT)]))
     assert "HEARTBEAT" in result.output
 
 
 def test_a_port_that_nobody_uses_is_named(tmp_path: Path):
     capture = tmp_path / "run.pcap"
     capture.write_bytes(pcap([udp(HEARTBEAT)]))
-    result = CliRunner().invoke(app, ["decode", str(capture), "--port", "2018", "--port", "2019"])
+    result = CliRunner().invoke(app, ["xrce", "decode", str(capture), "--port", "2018", "--port", "2019"])
     assert result.exit_code == 0
     assert "no packet to or from port 2018, 2019" in result.stderr
 
@@ -71,10 +73,10 @@ def test_a_port_that_nobody_uses_is_named(tmp_path: Path):
 def test_a_file_that_is_no_capture(tmp_path: Path):
     path = tmp_path / "notes.txt"
     path.write_text("a text")
-    result = CliRunner().invoke(app, ["decode", str(path)])
+    result = CliRunner().invoke(app, ["xrce", "decode", str(path)])
     assert result.exit_code == 2
     assert "neither a pcap nor a pcapng capture" in result.stderr
-    assert CliRunner().invoke(app, ["decode", str(tmp_path / "none.pcap")]).exit_code == 2
+    assert CliRunner().invoke(app, ["xrce", "decode", str(tmp_path / "none.pcap")]).exit_code == 2
 
 
 @pytest.mark.parametrize(
@@ -85,6 +87,6 @@ def test_a_file_that_is_no_capture(tmp_path: Path):
     ],
 )
 def test_where_messages_are(capture: str, hint: str) -> None:
-    result = CliRunner().invoke(app, ["decode", str(ROOT / "tests/data" / capture)])
+    result = CliRunner().invoke(app, ["xrce", "decode", str(ROOT / "tests/data" / capture)])
     assert (result.exit_code, result.stdout) == (0, "")
     assert result.stderr == f"no packet to or from port 8888; {hint}\n"

@@ -1,4 +1,4 @@
-"""`tachk measure`: what captures say of periods, laws, windows and sleeps."""
+"""`tachk xrce measure`: what captures say of periods, laws, windows and sleeps."""
 
 from __future__ import annotations
 
@@ -218,20 +218,23 @@ def test_the_reports(tmp_path: Path):
         (109, up(heartbeat(0, 0))),
         (209, up(heartbeat(0, 0))),
     )
-    result = CliRunner().invoke(app, ["measure", str(path), "--format", "json"])
+    result = CliRunner().invoke(app, ["xrce", "measure", str(path), "--format", "json"])
     assert result.exit_code == 0
     jsonschema.validate(json.loads(result.output), SCHEMA)
     model = tmp_path / "m.ta"
     process = "process P() { init location A; } system P;"
     model.write_text(f"time_unit = 20 ms; const int CLIENT_HEARTBEAT = 1; {process}", encoding="utf-8")
-    result = CliRunner().invoke(app, ["measure", str(path), "--for", str(model), "--format", "settings"])
+    result = CliRunner().invoke(app, ["xrce", "measure", str(path), "--for", str(model), "--format", "settings"])
     assert result.output == "-D CLIENT_HEARTBEAT=5\n"
-    assert "has no constant MESSAGES" in CliRunner().invoke(app, ["measure", str(path), "--for", str(model)]).output
+    assert (
+        "has no constant MESSAGES"
+        in CliRunner().invoke(app, ["xrce", "measure", str(path), "--for", str(model)]).output
+    )
     model.write_text(f"time_unit = 500 ms; const int CLIENT_HEARTBEAT = 1; {process}", encoding="utf-8")
-    told = CliRunner().invoke(app, ["measure", str(path), "--for", str(model)]).output
+    told = CliRunner().invoke(app, ["xrce", "measure", str(path), "--for", str(model)]).output
     assert "the unit of 500 ms is too coarse: CLIENT_HEARTBEAT is 100 ms" in told
     model.write_text(process, encoding="utf-8")
-    result = CliRunner().invoke(app, ["measure", str(path), "--for", str(model)])
+    result = CliRunner().invoke(app, ["xrce", "measure", str(path), "--for", str(model)])
     assert (result.exit_code, "does not say how long its unit of time is" in result.stderr) == (2, True)
 
 

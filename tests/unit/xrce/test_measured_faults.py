@@ -1,4 +1,4 @@
-"""What `tachk measure` says of faulty links and late readers, and what models and recordings say of that."""
+"""What `tachk xrce measure` says of faulty links and late readers, and what models and recordings say of that."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def test_who_asks_late_gets_only_what_is_kept():
 
 def test_a_recording_is_a_run_of_the_model_with_what_was_measured_in_it():
     path = str(CAPTURES / "spin_pause.pcap")
-    measured = CliRunner().invoke(app, ["measure", path, "--for", str(RECORDED_MODEL), "--format", "settings"])
+    measured = CliRunner().invoke(app, ["xrce", "measure", path, "--for", str(RECORDED_MODEL), "--format", "settings"])
     assert measured.exit_code == 0
     settings = measured.output.split()
     assert "EXACT_BITMAPS=1" in settings

@@ -105,10 +105,10 @@ def test_any_bytes_become_events(octets: bytes):
 def test_the_command(tmp_path: Path):
     log = tmp_path / "line.bin"
     log.write_bytes(framed(1, 0, HEARTBEAT))
-    result = CliRunner().invoke(app, ["decode", "--serial", str(log)])
+    result = CliRunner().invoke(app, ["xrce", "decode", "--serial", str(log)])
     assert result.exit_code == 0
     assert "serial:1 -> serial:0" in result.output
-    refused = CliRunner().invoke(app, ["decode", str(log)])
+    refused = CliRunner().invoke(app, ["xrce", "decode", str(log)])
     assert refused.exit_code == 2
     assert "--serial" in refused.stderr
 

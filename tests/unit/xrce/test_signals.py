@@ -113,10 +113,10 @@ def test_parquet_can_be_read_again(trace: Trace, tmp_path: Path):
 def test_the_command_writes_signals(tmp_path: Path):
     capture = Talk().up(0, created()).up(1, write(0, 1)).capture(tmp_path)
     out = tmp_path / "signals.csv"
-    assert CliRunner().invoke(app, ["decode", str(capture), "--signals", str(out)]).exit_code == 0
+    assert CliRunner().invoke(app, ["xrce", "decode", str(capture), "--signals", str(out)]).exit_code == 0
     assert out.read_text(encoding="utf-8").startswith("time [s],client_CCCCDDDD.to_agent.lost,")
     for more in (["--signals", "x.json"], ["--signals", str(out), "--serial"], ["--signals", str(out), "-o", "lines"]):
-        assert CliRunner().invoke(app, ["decode", str(capture), *more]).exit_code == 2
+        assert CliRunner().invoke(app, ["xrce", "decode", str(capture), *more]).exit_code == 2
 
 
 def test_a_stream_without_acknacks_is_followed_at_once():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from tachk.cli import options
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES, export_model, format_of
-from tachk.formats.exported import Exported, Writing
+from tachk.formats.exported import Writing
 from tachk.syntax.source_files import read_source
 
 if TYPE_CHECKING:
@@ -133,12 +133,13 @@ def run_convert(arguments: ConvertArguments) -> ExitStatus:
     _check_options(arguments, form)
     if form == _UNIT:
         return _write_unit(arguments)
+    steps: Sequence[PlainRewriting] = ()
     if source.endswith(".q"):
         files = _convert_queries(Path(source), output)
     elif form == _TEXT:
         files = _convert_to_text(Path(source), output or Path("-"), arguments.query_files, bool(arguments.fix))
     else:
-        files = _exported(arguments, form)
+        files, steps = _exported(arguments, form)
     if output is None:
         sys.stdout.write(next(iter(files.values())))
     else:
@@ -146,6 +147,10 @@ def run_convert(arguments: ConvertArguments) -> ExitStatus:
         for path, text in files.items():
             write_whole(path, text)
         print(f"written: {', '.join(map(str, files))}")
+    if arguments.explain:
+        _explain(steps)
+    elif arguments.fix:
+        _report([step for step in steps if step.kind == "name"])
     return ExitStatus.AS_EXPECTED
 
 
@@ -162,9 +167,7 @@ def _check_options(arguments: ConvertArguments, form: str) -> None:
         if given:
             raise UsageError(f"{given[0]} goes with --format fmu")
     if form in (_TEXT, _UNIT):
-        given = [
-            name for name, value in for_programs.items() if value is not None and (form == _TEXT or name != "-D")
-        ]
+        given = [name for name, value in for_programs.items() if value is not None and (form == _TEXT or name != "-D")]
         if given:
             where = "a .ta file is the model as it is written" if form == _TEXT else "a unit has the model as it is"
             raise UsageError(f"{given[0]} is for files of other programs: {where}")
@@ -174,7 +177,8 @@ def _check_options(arguments: ConvertArguments, form: str) -> None:
         raise UsageError("-q goes with a .ta file as output", "convert to .ta first, then to the other format")
 
 
-def _exported(arguments: ConvertArguments, form: str) -> dict[Path, str]:
+def _exported(arguments: ConvertArguments, form: str) -> tuple[dict[Path, str], Sequence[PlainRewriting]]:
+    """The files of a model in another format, and what is written differently there."""
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions
 
@@ -184,18 +188,15 @@ def _exported(arguments: ConvertArguments, form: str) -> dict[Path, str]:
     fix = arguments.source.lower().endswith(".ta") if arguments.fix is None else arguments.fix
     writing = Writing(tuple(constants), fix, arguments.observers is not False)
     exported = export_model(model.loaded, form, writing)
-    if arguments.explain:
-        _explain(exported)
-    elif arguments.fix:
-        _report([step for step in exported.steps if step.kind == "name"])
     output = arguments.output or Path("-")
-    return {output: exported.text} | ({output.with_suffix(".q"): exported.queries} if exported.queries else {})
+    queries = {output.with_suffix(".q"): exported.queries} if exported.queries else {}
+    return {output: exported.text} | queries, exported.steps
 
 
-def _explain(exported: Exported) -> None:
+def _explain(steps: Sequence[PlainRewriting]) -> None:
     """Prints each construct that was written differently, with its place, then the number of each kind."""
-    _report(exported.steps)
-    counts = Counter(step.kind for step in exported.steps)
+    _report(steps)
+    counts = Counter(step.kind for step in steps)
     summary = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing was written differently"
     print(f"expanded: {summary}", file=sys.stderr)
 

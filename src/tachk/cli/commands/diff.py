@@ -56,7 +56,9 @@ def run_diff(
     changes = least_difference(*_models(before, after, parse_definitions(definitions)))
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None and reporting.form == "json":
-            json.dump({"before": before, "after": after, "changes": [_PLAIN.of(each) for each in changes]}, out, indent=2)
+            json.dump(
+                {"before": before, "after": after, "changes": [_PLAIN.of(each) for each in changes]}, out, indent=2
+            )
             out.write("\n")
         elif out is not None:
             out.write(print_difference(changes))

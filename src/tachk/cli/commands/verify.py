@@ -264,7 +264,9 @@ def run_verify(
     with ExitStack() as stack:
         outputs = {form: stack.enter_context(destination(path)) for form, path in reporting.beside.items()}
         if reporting.form in outputs:
-            raise UsageError(f"--{reporting.form} and --format {reporting.form} are the same report", "give one of them")
+            raise UsageError(
+                f"--{reporting.form} and --format {reporting.form} are the same report", "give one of them"
+            )
         outputs[reporting.form] = stack.enter_context(destination(reporting.output, reporting.quiet))
         report = RunReport(outputs, reporting, display)
 

@@ -52,7 +52,7 @@ _DECLARED = {
     "double": ConditionKind.DOUBLE,
 }
 _ONLY_INTEGERS = frozenset("%&|^") | {"<<", ">>"}
-_MEND = "`tachk export` writes it with `&&` and `||`"
+_MEND = "`tachk convert` writes it with `&&` and `||`"
 
 
 def condition_findings(items: Iterable[ast.Item], version: str) -> Iterator[Diagnostic]:

@@ -157,7 +157,7 @@ def _additions(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnosti
         return  # properties are how a query of XML is held
     for found in additions(document):
         what = found.message.removesuffix(" is not part of XTA")
-        mend = f"`tachk export` {_WRITTEN[what]}"
+        mend = f"`tachk convert` {_WRITTEN[what]}"
         yield Diagnostic("E0810", f"{what}: {version.full_name} does not know it", found.span, mend)
 
 
@@ -194,7 +194,7 @@ def _order_of_sections(items: Sequence[ast.Item], version: UppaalVersion) -> Ite
                 "E0822",
                 f"{version.full_name} does not read this below the system line",
                 item.span,
-                "write it above `system`, as `tachk export` does",
+                "write it above `system`, as `tachk convert` does",
             )
 
 
@@ -216,7 +216,7 @@ def _names(model: LoadedModel, version: UppaalVersion) -> Iterator[Diagnostic]:
         for name, span in names_in(model.items).items():
             if name not in declared and (name in BUILTIN_TYPES or name in BUILTIN_CONSTANTS):
                 yield Diagnostic(
-                    "E0812", f"`{name}` is not declared in {version.full_name}", span, "`tachk export` writes it out"
+                    "E0812", f"`{name}` is not declared in {version.full_name}", span, "`tachk convert` writes it out"
                 )
 
 
@@ -250,7 +250,7 @@ def _types(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagno
                 "E0814",
                 f"{version.full_name} does not read `{written}`",
                 type_.span,
-                "`tachk export` writes it as it must be",
+                "`tachk convert` writes it as it must be",
             )
     everywhere = _type_names(items)
     for item in items:
@@ -278,7 +278,7 @@ def _forms(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagno
     for function in nodes_of_kind(items, ast.FunctionDeclaration):
         if lacks_return(function):
             message = f"{version.full_name} wants a `return` as the last statement of `{function.name.name}`"
-            yield Diagnostic("E0824", message, function.name.span, "`tachk export` adds one")
+            yield Diagnostic("E0824", message, function.name.span, "`tachk convert` adds one")
     fields = {id(type_) for type_ in texts_in_structs(items)}
     for type_ in nodes_of_kind(items, ast.TypeExpression):
         if id(type_) in fields:
@@ -290,11 +290,11 @@ def _forms(items: Sequence[ast.Item], version: UppaalVersion) -> Iterator[Diagno
     for type_ in constant_fields(items):
         if id(type_) not in fields:
             message = f"{version.full_name} has no constant fields"
-            yield Diagnostic("E0827", message, type_.span, "`tachk export` writes it without `const`")
+            yield Diagnostic("E0827", message, type_.span, "`tachk convert` writes it without `const`")
     for location in nodes_of_kind(items, ast.LocationDeclaration):
         if location.urgent and location.committed:
             message = f"{version.full_name} refuses a location that is both committed and urgent"
-            help_ = "`tachk export` writes committed alone: time does not pass there either"
+            help_ = "`tachk convert` writes committed alone: time does not pass there either"
             yield Diagnostic("E0826", message, location.name.span, help_)
 
 

@@ -1,4 +1,4 @@
-"""The tightest value of a parameter with which recorded traces satisfy a formula: `tachk mine` and `tachk.mine`.
+"""The tightest value of a parameter with which traces satisfy a formula: `tachk monitor --find` and `tachk.mine`.
 
 Where a larger value is proved to make the formula only easier, or only harder (`monotone`), the border is found by
 bisection over all values at which something can change (`candidates`), which is exact. Elsewhere values are tried one

@@ -1,4 +1,4 @@
-"""The answer of `tachk mine` as text, and as docs/schema/mine.schema.json describes it."""
+"""The answer of `tachk monitor --find` as text, and as docs/schema/mine.schema.json describes it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class MiningReport(Mined):
         return _PLAIN.of(self)
 
     def to_text(self) -> str:
-        """The output of `tachk mine`."""
+        """The output of `tachk monitor --find`."""
         return "".join(f"{line}\n" for line in self._lines())
 
     __str__ = to_text

@@ -187,7 +187,7 @@ def open_packets(path: Path, time: str | None, unit: str | None, ports: Sequence
         raise UsageError(f"there is no file {path}") from None
     is_cut_off = recorded.problem.startswith("the file ends inside") and len(recorded.times) > 0
     if recorded.problem and not is_cut_off:
-        raise UsageError(f"{path}: {recorded.problem}", f"tachk decode {path} shows the packets before")
+        raise UsageError(f"{path}: {recorded.problem}", f"tachk xrce decode {path} shows the packets before")
     if not len(recorded.times):
         listed = ", ".join(map(str, ports or (DEFAULT_PORT,)))
         raise UsageError(f"{path} has no packet to or from port {listed}", "give the port of the Agent with --port")

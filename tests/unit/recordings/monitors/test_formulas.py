@@ -83,20 +83,20 @@ def test_only_a_file_of_formulas_is_their_source() -> None:
     assert tachk.monitor("G (x < 5.5)", {"time": [0], "x": [1]}).record.formulas == ""
 
 
-@pytest.mark.parametrize("command", ["monitor", "mine", "plot", "explain", "requirements", "simulate"])
+@pytest.mark.parametrize("command", ["monitor", "monitor --find", "plot", "explain", "requirements", "simulate"])
 def test_every_command_takes_a_long_formula(command: str, tmp_path: Path) -> None:
     trace, model = tmp_path / "a.csv", tmp_path / "m.ta"
     trace.write_text("time,x\n0,1\n1,2\n")
     model.write_text("int x; process P() { init location A; } system P;")
     arguments = {
         "monitor": [LONG, str(trace)],
-        "mine": [LONG.replace("5", "C"), str(trace), "--over", "C=0..9"],
+        "monitor --find": [LONG.replace("5", "C"), str(trace), "--find", "C=0..9"],
         "plot": [LONG, str(trace), "-o", str(tmp_path / "a.svg")],
         "simulate": [str(model), "--until", "2", "--monitor", LONG],
         "explain": [LONG],
         "requirements": [LONG],
     }
-    assert CliRunner().invoke(app, [command, *arguments[command]]).exit_code == 0
+    assert CliRunner().invoke(app, [command.split()[0], *arguments[command]]).exit_code == 0
 
 
 def test_every_mistake_of_a_file_is_reported(tmp_path: Path) -> None:

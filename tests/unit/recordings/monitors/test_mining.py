@@ -221,9 +221,9 @@ def test_one_parameter_is_mined_at_a_time(tmp_path: Path) -> None:
     trace = tmp_path / "a.csv"
     trace.write_text("time,p,x\n0,0,1\n1,1,6\n3,0,2\n", encoding="utf-8")
     formula = "G (rise(p) -> F[0, T] (x < C))"
-    both = CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "--over", "C=0..10"])
+    both = CliRunner().invoke(app, ["monitor", formula, str(trace), "--find", "T=0..20", "--find", "C=0..10"])
     assert (both.exit_code, both.stdout) == (2, "")
     assert "one parameter is mined at a time, not 2: T, C" in both.stderr
-    twice = CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "--over", "T=0..10"])
-    assert (twice.exit_code, "--over T is given twice" in twice.stderr) == (2, True)
-    assert CliRunner().invoke(app, ["mine", formula, str(trace), "--over", "T=0..20", "-D", "C=5"]).exit_code == 0
+    twice = CliRunner().invoke(app, ["monitor", formula, str(trace), "--find", "T=0..20", "--find", "T=0..10"])
+    assert (twice.exit_code, "--find T is given twice" in twice.stderr) == (2, True)
+    assert CliRunner().invoke(app, ["monitor", formula, str(trace), "--find", "T=0..20", "-D", "C=5"]).exit_code == 0

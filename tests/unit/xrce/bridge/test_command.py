@@ -1,4 +1,4 @@
-"""`tachk bridge`: a process of its own, which speaks by UDP with a socket of the test."""
+"""`tachk xrce bridge`: a process of its own, which speaks by UDP with a socket of the test."""
 
 from __future__ import annotations
 
@@ -36,7 +36,18 @@ LONG = 60
 
 @contextmanager
 def command(*arguments: str) -> Iterator[subprocess.Popen[str]]:
-    line = [sys.executable, "-m", "tachk", "bridge", str(MODEL), "-D", f"MESSAGES={MESSAGES}", "--speed", str(SPEED)]
+    line = [
+        sys.executable,
+        "-m",
+        "tachk",
+        "xrce",
+        "bridge",
+        str(MODEL),
+        "-D",
+        f"MESSAGES={MESSAGES}",
+        "--speed",
+        str(SPEED),
+    ]
     with subprocess.Popen([*line, *arguments], stdout=subprocess.PIPE, text=True) as process:
         try:
             yield process
@@ -136,6 +147,6 @@ def test_wrong_options_get_a_message(capsys: pytest.CaptureFixture[str], argumen
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as taken:
         taken.bind(("127.0.0.1", 0))
         given = [str(taken.getsockname()[1]) if word == "TAKEN" else word for word in arguments]
-        status = app.main(["bridge", str(MODEL), *given], prog_name="tachk", standalone_mode=False)
+        status = app.main(["xrce", "bridge", str(MODEL), *given], prog_name="tachk", standalone_mode=False)
     assert status == 2
     assert message in capsys.readouterr().err

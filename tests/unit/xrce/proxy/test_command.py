@@ -1,4 +1,4 @@
-"""`tachk proxy`: its options, what it says, its exit status."""
+"""`tachk xrce proxy`: its options, what it says, its exit status."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.unit.xrce.proxy.test_counterexample import STALE
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    status = app.main(["proxy", *arguments], prog_name="tachk", standalone_mode=False)
+    status = app.main(["xrce", "proxy", *arguments], prog_name="tachk", standalone_mode=False)
     assert isinstance(status, int)
     found = capsys.readouterr()
     return status, found.out, found.err

@@ -1,4 +1,4 @@
-"""`tachk bridge`: let a model stand in for a client or an Agent of DDS-XRCE, by UDP."""
+"""`tachk xrce bridge`: let a model stand in for a client or an Agent of DDS-XRCE, by UDP."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def command(**given: Any) -> None:
     """Run processes of a model as a client or an Agent in a real session of DDS-XRCE, over UDP.
 
     \b
-    tachk bridge publication.ta --process application --process publisher --to 127.0.0.1:8888
-    tachk bridge publication.ta --process writer --listen 8888
+    tachk xrce bridge publication.ta --process application --process publisher --to 127.0.0.1:8888
+    tachk xrce bridge publication.ta --process writer --listen 8888
 
     What the processes send over send[link][kind] becomes packets; packets become deliver[link][kind].
     Ends with --until or Ctrl-C. Exit status: 0 there was a session, 10 there was none, 2 bad input, 3 something that is
@@ -76,7 +76,7 @@ _FOR_EVER = 2**62
 
 @dataclass(frozen=True, slots=True)
 class BridgeArguments:
-    """Arguments of `tachk bridge`."""
+    """Arguments of `tachk xrce bridge`."""
 
     model: str
     processes: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""`tachk decode`: print the DDS-XRCE messages in a capture, a line for each submessage."""
+"""`tachk xrce decode`: print the DDS-XRCE messages in a capture, a line for each submessage."""
 
 from __future__ import annotations
 

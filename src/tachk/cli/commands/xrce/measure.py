@@ -1,4 +1,4 @@
-"""`tachk measure`: measure the parameters of a DDS-XRCE system in captures of it."""
+"""`tachk xrce measure`: measure the parameters of a DDS-XRCE system in captures of it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def command(seconds: float | None, **given: Any) -> None:
 
     FILE is a pcap or pcapng capture; several are put together. Heartbeats, round trips, repairs, windows, losses and
     dead time are printed with minimum, median and maximum, the packets they came from and how sure they are, and as
-    constants of a model: tachk verify MODEL $(tachk measure FILE --for MODEL --format settings)
+    constants of a model: tachk verify MODEL $(tachk xrce measure FILE --for MODEL --format settings)
     """
 
     arguments = options.distributed(given, MeasureArguments)

@@ -1,4 +1,4 @@
-"""`tachk proxy`: relay packets of DDS-XRCE, and lose, delay or duplicate some."""
+"""`tachk xrce proxy`: relay packets of DDS-XRCE, and lose, delay or duplicate some."""
 
 from __future__ import annotations
 
