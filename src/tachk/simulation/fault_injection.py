@@ -3,6 +3,8 @@
 A fault is an edge whose documentation names it (``/// ! is lost``), beside edges of the same location that answer the
 same message otherwise. A fault-injection plan gives it a probability, or says which messages it concerns. The model
 stays what it is: a plan makes weights and counters for the simulation only, so that every run remains one of the model.
+Where the other edges of the location do something else (a link that holds a message delivers it by a channel, and loses
+it by an edge of its own), the edges into the location draw what happens to what came with them.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from tachk.base.exact_numbers import DIGITS, is_whole
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
 from tachk.base.words import Direction
+from tachk.model.connectives import any_of, both, conjuncts, negation
 from tachk.model.expressions import (
     BOOL,
     INT,
@@ -33,9 +36,11 @@ from tachk.model.expressions import (
     Variable,
     VariableKind,
 )
-from tachk.model.floating import DOUBLE, halves
+from tachk.model.floating import DOUBLE, FloatingOperation, halves
+from tachk.model.floating_calls import floating_constant, operated
 from tachk.model.network import Branching, Edge, Network, Process
-from tachk.model.types import IntType, leaves
+from tachk.model.traversal import reads_clock
+from tachk.model.types import ChannelType, IntType, leaves
 
 _LARGEST = 2**31 - 1
 _NOW = "now"
@@ -137,6 +142,8 @@ class _Injection:
         self.counted = {channel: _counter(f"sent on {channel}") for channel in self.channels}
         self.done = {injected.written: _counter(f"done: {injected.written}") for injected in lists}
         self.missed = {injected.written: _counter(f"missed: {injected.written}") for injected in lists}
+        self.decisions: list[Variable] = []
+        self.obstacles: dict[str, str] = {}
         summed = sum((o.probability for o in plan if o.probability is not None), Fraction(0))
         if summed > 1 and len({o.fault for o in plan}) > 1:
             raise UsageError(f"--fault: the probabilities of all faults together are {summed}, more than 1")
@@ -145,34 +152,121 @@ class _Injection:
         yield from self.counted.values()
         yield from self.done.values()
         yield from self.missed.values()
+        yield from self.decisions
 
     def why_not(self, injected: InjectedFault) -> str:
+        if injected.written in self.obstacles:
+            return self.obstacles[injected.written]
         known = sorted({_words(e) for p in self.network.processes for e in p.edges if e.doc.startswith("!")})
         described = "; ".join(known[:12])
-        return (
-            f"no edge with such a documentation has an alternative; the model marks as news: {described or 'nothing'}"
-        )
+        return f"no edge of the model is documented so; edges that are documented as events: {described or 'none'}"
 
     def process(self, process: Process) -> Process:
         edges = list(process.edges)
         locations = list(process.locations)
         ways = max((edge.branch.way for edge in edges if edge.branch is not None), default=-1) + 1
+        alone: dict[int, dict[int, tuple[InjectedFault, ...]]] = {}
         for group in _groups(edges):
-            faults = self._faults([edges[number] for number in group])
+            members = [edges[number] for number in group]
+            faults = self._faults(members)
             if not any(faults):
                 continue
-            members = [edges[number] for number in group]
-            if all(faults):  # nothing else can be done there
+            if all(plan or edge.doc.startswith("!") for plan, edge in zip(faults, members, strict=True)):
                 hurried = {injected.written for plan in faults for injected in plan if injected.at_once}
                 self.found |= hurried
                 source = members[0].source
                 if hurried:
                     locations[source] = replace(locations[source], exponential_rate=_INFINITE)
+                else:  # it is decided together with the edges that synchronise otherwise
+                    planned = {number: plan for number, plan in zip(group, faults, strict=True) if plan}
+                    alone.setdefault(source, {}).update(planned)
                 continue
             for number, edge in zip(group, self._weighted(members, faults, ways), strict=True):
                 edges[number] = edge
             ways += 1
+        for place, faulty in alone.items():
+            self._decide_on_entry(process, edges, place, faulty)
         return replace(process, edges=tuple(edges), locations=tuple(locations))
+
+    def _decide_on_entry(
+        self, process: Process, edges: list[Edge], place: int, faulty: Mapping[int, tuple[InjectedFault, ...]]
+    ) -> None:
+        """Has the edges into a location draw which fault happens there: its other edges then wait, unless the model
+        does not allow the fault. A model's own link is such a location: a message is in it, delivered or lost later."""
+        entering = [number for number, edge in enumerate(edges) if edge.target == place]
+        others = [number for number, edge in enumerate(edges) if edge.source == place and number not in faulty]
+        plain = [number for number in others if not edges[number].doc.startswith("!")]
+        where = f"{process.name}.{process.locations[place].name}"
+        obstacle = None
+        if not plain:
+            obstacle = f"there is no other edge in {where}, to be taken where the fault does not happen: add one"
+        elif not entering:
+            obstacle = f"no edge leads to {where}, where it would be decided whether the fault happens: add one"
+        elif any(_waits_for_a_partner(edges[number]) for number in faulty):
+            obstacle = f"its edge in {where} waits for a partner: leave out its synchronisation"
+        wanted = {injected.written: injected for plan in faulty.values() for injected in plan}
+        if obstacle is not None:
+            self.obstacles |= dict.fromkeys(wanted, obstacle)
+            return
+        self.found |= {*wanted}
+        names = list(dict.fromkeys(injected.fault for injected in wanted.values()))
+        decision = Variable(f"decided: {where}", IntType(0, len(names)), VariableKind.LOCAL, (0,))
+        self.decisions.append(decision)
+        chosen = Reference(decision)
+        for number in entering:
+            edge = edges[number]
+            drawn = Assign(chosen, self._drawn(edge, names, list(wanted.values())), chosen.type)
+            counts = self._counts(edge, {injected.channel for injected in wanted.values() if injected.messages})
+            edges[number] = edge = replace(edge, updates=(*edge.updates, drawn, *counts))
+        happens = {name: Binary(BinaryOperator.EQUAL, chosen, Constant(n), BOOL) for n, name in enumerate(names, 1)}
+        impossible = {
+            name: reduce(_and, (_forbidden(edges[number]) for number, plan in faulty.items() if _names(plan, name)))
+            for name in names
+        }
+        for number, plan in faulty.items():
+            due = any_of([happens[injected.fault] for injected in plan])
+            done = [
+                _increase(self.done[injected.written], happens[injected.fault])
+                for injected in plan
+                if injected.messages
+            ]
+            edge = edges[number]
+            edges[number] = replace(edge, guard=both(edge.guard, due), updates=(*edge.updates, *done))
+        free = any_of(
+            [
+                Binary(BinaryOperator.EQUAL, chosen, Constant(0), BOOL),
+                *(_and(happens[name], impossible[name]) for name in names),
+            ]
+        )
+        lists = [injected for injected in wanted.values() if injected.messages]
+        for number in others:
+            edge = edges[number]
+            missed = [_increase(self.missed[injected.written], happens[injected.fault]) for injected in lists]
+            allowed = Constant(0, BOOL) if edge.doc.startswith("!") else free
+            edges[number] = replace(edge, guard=both(edge.guard, allowed), updates=(*missed, *edge.updates))
+
+    def _drawn(self, edge: Edge, names: Sequence[str], wanted: Sequence[InjectedFault]) -> Expression:
+        """The number of the fault that happens to a message that comes with an edge; 0: none."""
+        value: Expression = Constant(0)
+        before = sum((o.probability for o in wanted if o.probability is not None), Fraction(0))
+        for number, name in reversed([*enumerate(names, 1)]):
+            own = [o.probability for o in wanted if o.fault == name and o.probability is not None]
+            if own and own[-1]:
+                before -= own[-1]
+                value = Conditional(_with_probability(own[-1] / (1 - before)), Constant(number), value, INT)
+        for injected in wanted:
+            if injected.messages:
+                due = self._due(injected, edge)
+                if due is not None:
+                    value = Conditional(due, Constant(names.index(injected.fault) + 1), value, INT)
+        return value
+
+    def _counts(self, edge: Edge, channels: Iterable[str]) -> Iterator[Expression]:
+        """The updates that count an edge among the messages of the channels on which it synchronises."""
+        for channel in sorted(channels):
+            here = self._concerns(channel, edge)
+            if here is not None:
+                yield _increase(self.counted[channel], here)
 
     def _faults(self, edges: Sequence[Edge]) -> list[tuple[InjectedFault, ...]]:
         """For each edge of a group its faults: those that match best."""
@@ -209,10 +303,7 @@ class _Injection:
                 own = injected in plan
                 weight = Conditional(due, Constant(scale if own else 0), weight, INT)
                 updates.append(_increase((self.done if own else self.missed)[injected.written], due))
-            for channel in dict.fromkeys(injected.channel for injected in lists):
-                here = self._concerns(channel, edge)
-                if here is not None:
-                    updates.append(_increase(self.counted[channel], here))
+            updates += self._counts(edge, {injected.channel for injected in lists})
             yield replace(edge, branch=Branching(way, len(edge.selects), weight), updates=(*edge.updates, *updates))
 
     def _due(self, injected: InjectedFault, edge: Edge) -> Expression | None:
@@ -248,6 +339,31 @@ class _Injection:
         ]
         always: Expression = Constant(1, BOOL)
         return reduce(_and, equal, always)
+
+
+def _waits_for_a_partner(edge: Edge) -> bool:
+    """Whether an edge is taken only together with others, so that nobody can have it happen."""
+    if edge.synchronisation is None:
+        return False
+    channel = edge.synchronisation.channel.type
+    sends = edge.synchronisation.direction is Direction.SEND
+    return not (sends and isinstance(channel, ChannelType) and channel.broadcast)
+
+
+def _names(plan: Iterable[InjectedFault], fault: str) -> bool:
+    return any(injected.fault == fault for injected in plan)
+
+
+def _forbidden(edge: Edge) -> Expression:
+    """The condition that the variables of the model forbid an edge for now, whatever the clocks are."""
+    conditions = [each for each in conjuncts(edge.guard) if not reads_clock(each)]
+    return any_of([negation(each) for each in conditions]) if conditions else Constant(0, BOOL)
+
+
+def _with_probability(probability: Fraction) -> Expression:
+    """A condition that is drawn anew wherever it is evaluated."""
+    drawn = operated(FloatingOperation.RANDOM, (floating_constant(1.0),))
+    return operated(FloatingOperation.LESS, (drawn, floating_constant(float(probability))))
 
 
 _INFINITE = Aggregate(tuple(Constant(half) for half in halves(inf)), DOUBLE)

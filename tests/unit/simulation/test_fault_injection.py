@@ -184,3 +184,99 @@ def test_the_packets_of_the_five_automata_are_lost_as_ordered() -> None:
             if network.processes[p.process].template == "InstantLink"
         ]
         assert news.count("! is lost") == 2
+
+
+OWN_LINK = """
+const int LOSSES = 1000;
+chan request; broadcast chan deliver;
+int[0, 10000] sent, delivered, lost, late;
+process Sender() {
+    clock x;
+    init location S { invariant x <= 10; to S { guard x == 10; sync request!; assign x = 0, sent = sent + 1; } }
+}
+process Link() {
+    clock y;
+    init location Empty { to Full { sync request?; assign y = 0; } }
+    location Full {
+        invariant y <= 5;
+        /// delivered
+        to Empty { guard y >= 1; sync deliver!; assign delivered = delivered + 1; }
+        /// ! lost
+        to Empty { guard lost < LOSSES; assign lost = lost + 1; }
+        /// ! late
+        to Empty { guard y >= 4; assign late = late + 1; }
+        /// ! never ordered
+        to Stuck;
+    }
+    location Stuck;
+}
+system Sender, Link;
+"""
+"""A link that holds a message: the fault is an edge of its own, beside one that synchronises."""
+
+
+def _counted(network: Network, faults: list[str], until: int) -> dict[str, int]:
+    (run,) = _runs(network, faults, 1, until)
+    edges = network.processes[1].edges
+    taken = Counter(edges[p.edge].doc for action in run.actions for p in action.participants if p.process == 1)
+    return {doc.removeprefix("! "): count for doc, count in taken.items() if doc}
+
+
+def test_a_message_that_a_link_holds_is_lost_as_often_as_ordered() -> None:
+    found = _counted(tachk.loads(OWN_LINK).network, ["lost=0.2", "late=0.05"], 40_000)
+    total = sum(found.values())
+    assert total > 3900 and set(found) == {"delivered", "lost", "late"}
+    assert _agrees(found["lost"], total, 0.2) and _agrees(found["late"], total, 0.05)
+
+
+def test_the_messages_of_a_list_are_lost_in_a_link_that_holds_them() -> None:
+    network = tachk.loads(OWN_LINK).network
+    (run,) = _runs(network, ["lost=request:2,5..7"], 1, 200)
+    edges = network.processes[1].edges
+    docs = [edges[p.edge].doc for action in run.actions for p in action.participants if p.process == 1]
+    kept = [doc for doc in docs if doc]
+    assert kept == ["delivered", "! lost", *["delivered"] * 2, *["! lost"] * 3, *["delivered"] * (len(kept) - 7)]
+    assert run.observed[-1, -2:].tolist() == [4, 0]
+
+
+def test_a_held_message_that_the_model_does_not_allow_to_be_lost_is_delivered() -> None:
+    network = tachk.loads(OWN_LINK.replace("LOSSES = 1000", "LOSSES = 2")).network
+    (run,) = _runs(network, ["lost=request:1..5"], 1, 200)
+    assert run.observed[-1, -2:].tolist() == [2, 3]
+    assert _counted(network, ["lost=request:1..5"], 200) == {"lost": 2, "delivered": 17}
+
+
+@pytest.mark.parametrize("policy", Policy)
+def test_runs_of_an_own_link_with_faults_are_runs_of_the_model(policy: Policy) -> None:
+    network = tachk.loads(OWN_LINK).network
+    model = prepare(network)
+    for run in _runs(network, ["lost=0.3", "late=request:1..2"], 3, 100, policy):
+        replay(model, timed_trace(network, run, len(model.layout.types)))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("/// ! lost\n", "/// ! gone\n"), "documented as events: gone; late; never ordered"),
+        (("guard lost < LOSSES;", "guard lost < LOSSES; sync request!;"), "its edge in Link.Full waits for a partner"),
+    ],
+)
+def test_what_a_link_lacks_is_named(change: tuple[str, str], said: str) -> None:
+    with pytest.raises(UsageError, match=f"--fault lost=0.5: .*{said}"):
+        with_faults(tachk.loads(OWN_LINK.replace(*change)).network, [parse_fault("lost=0.5")])
+
+
+@pytest.mark.parametrize(
+    ("locations", "said"),
+    [
+        ("init location A { to B; } location B {\n/// ! breaks\nto A; }", "there is no other edge in P.B"),
+        (
+            "location A; init location B {\n/// ! breaks\nto A;\nto A { guard x > 1; sync c!; } }",
+            "no edge leads to P.B",
+        ),
+    ],
+)
+def test_a_fault_that_nothing_decides_is_explained(locations: str, said: str) -> None:
+    network = tachk.loads(f"broadcast chan c; process P() {{ clock x; {locations} }} system P;").network
+    with pytest.raises(UsageError, match=said):
+        with_faults(network, [parse_fault("breaks=0.5")])
