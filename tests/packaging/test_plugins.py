@@ -43,7 +43,7 @@ def test_what_is_there_for_plug_ins_is_used_by_one(home: ModuleType) -> None:
     assert used == set(home.__all__)
 
 
-@pytest.mark.parametrize("command", ["verify m.ta --munta proofs", "export m.ta -o m.muntax"])
+@pytest.mark.parametrize("command", ["verify m.ta --munta proofs", "convert m.ta m.muntax"])
 def test_a_plug_in_that_is_missing_is_named(
     command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

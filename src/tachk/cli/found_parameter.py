@@ -17,7 +17,7 @@ from tachk.recordings.traces.conventions import EvaluationOptions
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterSearch:
+class FindOptions:
     """Attributes:
     over: the name whose value is looked for and its range, as ``T=0..200``.
     step: only multiples of this number are tried.
@@ -28,7 +28,7 @@ class ParameterSearch:
 
 
 def run_find(
-    search: ParameterSearch,
+    search: FindOptions,
     arguments: TraceArguments,
     evaluation: EvaluationOptions,
     rows: RowByRow,

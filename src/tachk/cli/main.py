@@ -154,7 +154,7 @@ class _Folder(_Group):
         return load_command(f"{self.name} {cmd_name}") if cmd_name in FOLDERS[self.name] else None
 
 
-class _Program(_Group):
+class _MainGroup(_Group):
     """The commands behind `tachk`; those of earlier versions go on working, with a note."""
 
     def sections(self) -> dict[str, dict[str, str]]:
@@ -195,7 +195,7 @@ _CONTEXT = {"help_option_names": ["-h", "--help"]}
 
 @click.group(
     name="tachk",
-    cls=_Program,
+    cls=_MainGroup,
     context_settings=_CONTEXT,
     options_metavar="[--version]",
     subcommand_metavar="COMMAND [--help] ...",

@@ -103,11 +103,11 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0 all are true, 10 some are false, 20 some are undetermined or time ran out and none is false,
     2 bad input. With --find: 0 there is such a value, 10 there is none.
     """
-    from tachk.cli.found_parameter import ParameterSearch, run_find
+    from tachk.cli.found_parameter import FindOptions, run_find
     from tachk.cli.trace_arguments import TraceArguments
 
     search, *arguments = options.distributed(
-        given, ParameterSearch, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting
+        given, FindOptions, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting
     )
     if search.over:
         options.finish(lambda: run_find(search, *arguments), seconds)
