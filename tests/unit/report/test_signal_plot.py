@@ -129,3 +129,25 @@ def test_numbers_that_no_axis_holds_are_rejected(value: float, level: float, tmp
 def test_large_numbers_are_drawn(tmp_path: Path) -> None:
     tachk.monitor("G (x < 5)", {"t": [0, 1, 2], "x": [0, 1e300, -1e300]}, unit="s").plot(tmp_path / "a.svg")
     assert "signal-x" in identifiers(tmp_path / "a.svg")
+
+
+def test_values_with_names_are_drawn_by_their_names(tmp_path: Path) -> None:
+    rows = (
+        "time [ms],Controller\n0,Idle\n334.610902351,Sending\n360,Idle\n665.789774905,Sending\n786,Failed\n815,Failed\n"
+    )
+    (tmp_path / "t.csv").write_text(rows)
+    formula = 'G (rise(Controller == "Sending") -> F[0, 110 ms] Controller == "Idle")'
+    report = tachk.monitor(formula, tmp_path / "t.csv")
+    figure = draw_record(report.record)
+    signal, table = figure.axes
+    assert [label.get_text() for label in signal.get_yticklabels()] == ["Idle", "Sending", "Failed"]
+    assert signal.lines[0].get_ydata().tolist() == [0, 1, 0, 1, 2, 2, 2]
+    assert [label.get_text() for label in table.get_yticklabels()][-2:] == [
+        'Controller == "Idle"',
+        'Controller == "Sending"',
+    ]
+    marks = {text.get_text(): text.get_window_extent() for text in signal.texts}
+    assert set(marks) == {"trigger 665.8 ms", "deadline 775.8 ms"}
+    first, second = marks.values()
+    assert not first.overlaps(second)
+    assert all(0 <= box.x0 and box.x1 <= figure.bbox.x1 for box in marks.values())

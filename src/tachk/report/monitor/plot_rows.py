@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,9 @@ from tachk.recordings.traces.trace import Trace
 
 MOST_ROWS = 9
 """Subformulas that are shown of one formula, the outer ones first."""
+
+MOST_NAMES = 12
+"""Values of a column that are written by their names."""
 
 MOST_POINTS = 4000
 """Points of a line; a longer trace is drawn by the extremes of each of as many pieces."""
@@ -48,7 +52,8 @@ class SignalBand:
 
 
 def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
-    """The subformulas worth a row: neither what a signal shows already, nor negations that an implication hides."""
+    """The subformulas worth a row: neither what a signal shows already, nor negations that an implication hides. A
+    condition that the program has negated has the row of its negation, which is what the formula says."""
     explainer = verdict.explainer
     program = verdict.program
     root = len(program.nodes) - 1
@@ -60,9 +65,26 @@ def formula_rows(verdict: MonitorVerdict) -> FormulaRows:
             if operand not in order:
                 order[operand] = None
                 pending.append(operand)
-    drawn = [node for node in order if node == root or not _is_plain(program, node)][:MOST_ROWS]
-    texts = tuple(program.nodes[node].text for node in drawn)
+    as_written = _negated_back(program, order)
+    drawn = [node for node in order if node == root or node in as_written or not _is_plain(program, node)]
+    drawn = [node for node in drawn if node not in as_written.values()][:MOST_ROWS]
+    texts = tuple(verdict.formula if node == root else program.nodes[node].text for node in drawn)
     return FormulaRows(tuple(drawn), texts, tuple(explainer.signal(node) for node in drawn))
+
+
+def _negated_back(program: MonitorProgram, nodes: Iterable[int]) -> dict[int, int]:
+    """The negations of comparisons that occur in no other way, each with its comparison."""
+    nodes = list(nodes)
+    users = defaultdict[int, list[int]](list)
+    for node in nodes:
+        for operand in program.nodes[node].operands:
+            users[operand].append(node)
+    comparisons = [
+        node
+        for node in nodes
+        if program.nodes[node].kind is NodeKind.ATOM and not _is_plain(program, node) and len(users[node]) == 1
+    ]
+    return {users[node][0]: node for node in comparisons if program.nodes[users[node][0]].kind is NodeKind.NOT}
 
 
 def _is_plain(program: MonitorProgram, node: int) -> bool:
@@ -133,6 +155,32 @@ def _extremes(
     edges = np.linspace(0, len(times), MOST_POINTS // 2 + 1).astype(np.int64)[:-1]
     low, high = np.minimum.reduceat(values, edges), np.maximum.reduceat(values, edges)
     return np.repeat(times[edges], 2), np.column_stack((low, high)).ravel()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NamedValues:
+    """Attributes:
+    levels: of each point, the place of its value among the names.
+    names: of the values that occur, from the lowest level up.
+    """
+
+    levels: NDArray[np.float64]
+    names: tuple[str, ...]
+
+
+def named_values(trace: Trace, column: str, values: NDArray[np.float64]) -> NamedValues | None:
+    """The values of a column of texts, or of numbers that the file names; None: it has numbers without names. Values
+    that occur first stand at the bottom."""
+    names: dict[int, str] = dict(enumerate(trace.labels)) if column in trace.texts else {}
+    names |= trace.value_names.get(column, {})
+    present, first = np.unique(values[np.isfinite(values)], return_index=True)
+    if not len(present) or len(present) > MOST_NAMES or any(int(value) not in names for value in present.tolist()):
+        return None
+    order = [float(value) for value in present[np.argsort(first)]]
+    levels = np.full(len(values), np.nan)
+    for level, value in enumerate(order):
+        levels[values == value] = level
+    return NamedValues(levels, tuple(names[int(value)] for value in order))
 
 
 def thresholds(verdicts: Sequence[MonitorVerdict], column: str) -> list[float]:

@@ -23,17 +23,19 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, clock_text
+from tachk.recordings.monitors.record import MonitorRecord, MonitorVerdict, clock_text, time_text
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.report.figure_files import svg_of, write_figure
 from tachk.report.monitor.plot_rows import (
     FormulaRows,
+    NamedValues,
     PlotRange,
     SignalBand,
     bands_of,
     formula_rows,
     line,
+    named_values,
     steps,
     thresholds,
 )
@@ -49,7 +51,8 @@ _TOP, _BOTTOM = 0.55, 0.72
 _TITLE, _GAP = 0.4, 0.16
 _TICKS, _LABEL_GAP = 0.35, 0.17
 _LONGEST_TITLE = 74
-_LABEL_WIDTH = 0.2
+_MOST_NAMES = 6
+"""Values with names beside one another in letters of the usual size."""
 _LARGEST = 1e300
 """Beyond that margins and ticks are not numbers any more."""
 
@@ -155,6 +158,10 @@ def _axes(figure: Figure, heights: Sequence[float], gaps: Sequence[float], heigh
 def _draw_numbers(axis: Axes, trace: Trace, name: str, span: PlotRange, verdicts: Sequence[MonitorVerdict]) -> None:
     moves = trace.moves(name)
     times, values = (line if moves else steps)(trace, name, span.begin, span.end)
+    named = named_values(trace, name, values)
+    if named is not None:
+        _draw_named(axis, name, times, named)
+        return
     levels = thresholds(verdicts, name)
     finite = values[np.isfinite(values)]
     if max((*map(abs, levels), np.abs(finite).max(initial=0))) > _LARGEST:
@@ -170,6 +177,17 @@ def _draw_numbers(axis: Axes, trace: Trace, name: str, span: PlotRange, verdicts
     axis.set_ylabel(_label(name, _TICKS), rotation=0, ha="right", va="center", fontsize=_LABEL)
     axis.margins(y=0.12)
     axis.locator_params(axis="y", nbins=3)
+
+
+def _draw_named(axis: Axes, name: str, times: NDArray[np.float64], named: NamedValues) -> None:
+    """A step line whose levels are values that have names, such as locations."""
+    (curve,) = axis.plot(times, named.levels, drawstyle="steps-post", color=_SIGNAL, linewidth=1.2)
+    curve.set_gid(f"signal-{name}")
+    size = _LABEL if len(named.names) <= _MOST_NAMES else _LABEL * _MOST_NAMES / len(named.names)
+    taken = 0.1 + max(_width(text, size) for text in named.names) / 72
+    axis.set_yticks(range(len(named.names)), named.names, fontsize=size)
+    axis.set_ylabel(_label(name, taken), rotation=0, ha="right", va="center", fontsize=_LABEL)
+    axis.margins(y=0.12)
 
 
 def _within_picture(values: NDArray[np.float64], finite: Sequence[float]) -> NDArray[np.float64]:
@@ -264,24 +282,46 @@ def _mark(axis: Axes, verdict: MonitorVerdict, span: PlotRange, labelled: bool, 
         marks.append((deadline, "deadline", (0, (4, 2))))
         axis.axvspan(begin, min(deadline, span.end), color="#ffb703", alpha=0.16, linewidth=0, zorder=0)
     width = span.end - span.begin
-    close = len(marks) == 2 and marks[1][0] - marks[0][0] < _LABEL_WIDTH * width
-    for number, (place, word, style) in enumerate(marks):
+    taken: list[tuple[float, float]] = []
+    for place, word, style in marks:
         if not span.begin <= place <= span.end:
             continue
         mark = axis.axvline(place, color="#000000", linewidth=1.1, linestyle=style, zorder=5)
         mark.set_gid(f"{word.split()[0]}-{verdict.name}")
         if labelled:
-            leftwards = place > span.end - _LABEL_WIDTH * width or (close and number == 0)
-            fits = not (leftwards and place < span.begin + _LABEL_WIDTH * width)
+            text = f"{word} {_readable_time(trace, int(place), span)}"
+            room = _width(text, _LABEL) / 72 / (_WIDTH * (_RIGHT - _LEFT)) * width * 1.05
+            right = (place, place + room)
+            crossed = any(place < other < right[1] for other, _, _ in marks) and place - room >= span.begin
+            overlaps = any(begin < right[1] and right[0] < end for begin, end in taken)
+            leftwards = crossed or overlaps or right[1] > span.end
+            begin, end = (place - room, place) if leftwards else right
+            level = sum(begin < other_end and other_begin < end for other_begin, other_end in taken)
+            taken.append((begin, end))
             axis.annotate(
-                f"{word} {clock_text(trace, int(place))}",
+                text,
                 (place, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(-2 if leftwards and fits else 2, 4 if fits else 14),
+                xytext=(-2 if leftwards else 2, 4 + 10 * level),
                 textcoords="offset points",
-                ha="right" if leftwards and fits else "left",
+                ha="right" if leftwards else "left",
                 fontsize=_LABEL,
             )
+
+
+def _readable_time(trace: Trace, tick: int, span: PlotRange) -> str:
+    """The time on the clock of the recording, to a thousandth of the picture: more digits tell a reader nothing."""
+    scale = trace.ticks_per_unit
+    shown = max((span.end - span.begin) / scale, 1e-9)
+    decimals = max(0, 3 - math.floor(math.log10(shown)))
+    if trace.dated:
+        return clock_text(trace, tick)
+    return time_text(round(trace.clock(tick), decimals), trace.unit, trace.dated)
+
+
+def _width(text: str, size: float) -> float:
+    """The width of a text in points."""
+    return float(TextPath((0, 0), text, size=size).get_extents().width) if text else 0.0
 
 
 def _mark_violations(axis: Axes, verdict: MonitorVerdict, span: PlotRange) -> None:
@@ -322,7 +362,7 @@ def _label(text: str, taken: float = 0.0) -> str:
     room = (_WIDTH * _LEFT - taken - _LABEL_GAP) * 72
 
     def fits(shown: str) -> bool:
-        return bool(TextPath((0, 0), shown, size=_LABEL).get_extents().width <= room)
+        return _width(shown, _LABEL) <= room
 
     def shortened(letters: int) -> str:
         return f"{text[: letters // 2]}…{text[len(text) - (letters - letters // 2) :]}"
