@@ -150,4 +150,4 @@ def test_values_with_names_are_drawn_by_their_names(tmp_path: Path) -> None:
     assert set(marks) == {"trigger 665.8 ms", "deadline 775.8 ms"}
     first, second = marks.values()
     assert not first.overlaps(second)
-    assert all(0 <= box.x0 and box.x1 <= figure.bbox.x1 for box in marks.values())
+    assert all(box.x0 >= 0 and box.x1 <= figure.bbox.x1 for box in marks.values())
