@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
@@ -28,6 +29,11 @@ def untyped_constant(situation: ParseSituation) -> Diagnostic | None:
 def foreign_clause(situation: ParseSituation) -> Diagnostic | None:
     """The diagnostic for an edge whose clauses lack their words, or have others; None where that is not it."""
     tokens, index = situation.tokens, situation.index
+    if situation.token.text in ("guard", "sync", "assign", "select") and tokens[index - 2].text == "to":
+        written = re.sub(r";? (guard|sync|assign) ", r"; \1 ", _until(tokens, index))
+        message = f"the clauses of an edge stand in braces, and '{situation.token.text}' stands outside"
+        help_ = f"write `to {tokens[index - 1].text} {{ {written}; }}`"
+        return Diagnostic("E0101", message, _clause(tokens, index - 2, index), help_)
     if "SYNC" in situation.accepted or ("ASSIGN" in situation.accepted and "GUARD" in situation.accepted):
         return _bare_clause(situation)
     if situation.token.text == "->" and (first := _clause_before(situation)) is not None:
