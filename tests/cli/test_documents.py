@@ -184,7 +184,7 @@ def test_links_lead_to_files_and_headings(name: str) -> None:
 
 
 GIVEN = {
-    "README.md": "",
+    "docs/tour.md": "",
     "docs/monitoring.md": """
 import pandas, tachk
 events = [(0.5, {"request": True, "answer": False}), (7.25, {"request": False, "answer": True})]
