@@ -183,7 +183,7 @@ ROWS: dict[str, Callable[[], None]] = {
     "`measure --format settings`": settings,
     "`verify --certificate`, `synthesize --certificates`": certificates,
     "`sweep --store`": stores,
-    "`convert`, `export`, `fmt`": models,
+    "`convert`, `fmt`": models,
     "`draw`, `plot`, `chart`": pictures,
 }
 

@@ -38,7 +38,7 @@ SECTIONS = {
         "estimate": "Answer statistical queries: probabilities from random runs.",
         "sweep": "Check a model for many values of its constants.",
         "synthesize": "Find the values of constants for which a property holds.",
-        "certify": "Check certificates: proofs of verdicts, without a search.",
+        "certify": "Check proofs that `verify --certificate` has written.",
         "requirements": "Find requirements that contradict each other.",
     },
     "Run models": {

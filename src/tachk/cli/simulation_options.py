@@ -72,7 +72,7 @@ _SPLITTING: tuple[_Adds, ...] = (
     click.option(
         "--splitting",
         is_flag=True,
-        help="Estimate probabilities of what runs hardly ever reach: begin runs again where others came nearest.",
+        help="Importance splitting, for rare events: begin runs again where others came nearest.",
     ),
     click.option(
         "--relative",

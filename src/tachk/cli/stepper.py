@@ -33,7 +33,7 @@ With @ it is taken after a delay of the interval in front of it:    2 @ 7.5
   undo [N]     takes steps back                          u
   redo [N]     goes forward again                        red
   goto N       goes to the state after step N            g 4
-  list         lists again what can happen, and when     l
+  list         lists the possible steps again            l
   show [NAME]  values of variables and clocks; with a    s x
                name only those it begins
   history      the run up to here                        h
@@ -243,7 +243,7 @@ class Stepper:
         if not enabled.transitions:
             yield "nothing can happen any more" + (", time passes for ever" if enabled.delays.last is None else "")
             return
-        yield "what can happen, after a delay in"
+        yield "possible steps, after a delay in"
         rows = [(" or ".join(map(str, choice.windows)), self._lines_of(choice)) for choice in enabled.transitions]
         width = max(len(when) for when, _ in rows)
         for number, (when, lines) in enumerate(rows, start=1):
@@ -309,7 +309,9 @@ def _time(text: str) -> Fraction:
     try:
         return exact_number(text)
     except ValueError:
-        raise NotUnderstoodError(f"{text[:40] or 'nothing'} is no time; a number such as 2.5 or 7/3 is") from None
+        raise NotUnderstoodError(
+            f"{text[:40] or 'nothing'} is not a number of time units, such as 2.5 or 7/3"
+        ) from None
 
 
 def _count(text: str, default: int | None = 1) -> int:

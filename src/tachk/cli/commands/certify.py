@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 @options.report("text", "json")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Check certificates: proofs of verdicts, without a search.
+    """Check proofs that `verify --certificate` has written, without a search.
 
     The exit status is 0 if every certificate of the file is accepted, 10 if one is rejected, and 2 if the file is
     damaged.

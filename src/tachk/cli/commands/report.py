@@ -106,9 +106,7 @@ def run_report_page(request: ReportArguments, seconds: float | None) -> ExitStat
         raise UsageError("-D and --property are about a model, and none is named", "name a model, too")
     for text in request.model_and_queries:
         if Path(text).suffix.lower() in _OTHERS:
-            raise UsageError(
-                f"{text}: a page shows no such file", "give results of --format json, or draw it (tachk plot)"
-            )
+            raise UsageError(f"cannot show {text}: expected a JSON result, .svg or .md", "tachk plot draws a trace")
     parts: list[Part] = []
     for text in (text for text in request.inputs if text not in request.model_and_queries[1:]):
         number = len(parts)

@@ -89,7 +89,7 @@ def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:
     """In a terminal a wrong line is reported and passed over; from a program it ends the command with status 2."""
     from tachk.cli.stepper import NotUnderstoodError, QuitError
 
-    for line in (*stepper.greeting(), *(["help says what can be typed"] if with_terminal else [])):
+    for line in (*stepper.greeting(), *(["type `help` for the commands"] if with_terminal else [])):
         print(line)
     for typed in _lines(with_terminal):
         try:

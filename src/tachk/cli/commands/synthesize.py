@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     type=options.Choice(WantedAnswer),
     default=WantedAnswer.HOLDS.value,
     show_default=True,
-    help="Which answer the region is to have.",
+    help="Find values for which the property holds, or fails.",
 )
 @options.report("text", "json", "csv")
 @click.option(
@@ -65,15 +65,14 @@ if TYPE_CHECKING:
     "--infer/--no-infer",
     default=True,
     show_default=True,
-    help="Take the answer for one value of a constant for other values, too, where the constant is proved to be an "
-    "upper bound only, or a lower bound only.",
+    help="Skip values that monotonicity decides: where a constant is proved to be an upper or a lower bound only.",
 )
 @click.option(
     "reuse",
     "--reuse/--no-reuse",
     default=True,
     show_default=True,
-    help="Try the run that was found with other values before a search.",
+    help="Try earlier counterexamples before a search.",
 )
 def command(**given: Any) -> None:
     """Find the values of constants for which a property holds.

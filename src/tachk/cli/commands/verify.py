@@ -165,9 +165,9 @@ _SECTIONS = {
     callback=lambda context, parameter, values: frozenset(
         name for value in values for name in value.split(",") if name
     ),
-    help="Do not use these ways to save states; answers stay the same. symmetry: explore one state for all that differ "
-    "only in which of several interchangeable processes is which; cone: freeze processes that cannot influence the "
-    "answer; and the strategies that reports name, such as unblocked. A name that there is not lists all.",
+    help="Switch off reductions and strategies; answers stay the same. symmetry: treat identical processes as "
+    "interchangeable; cone: leave out processes that cannot influence the answer (cone of influence); and the "
+    "strategies that reports name, such as unblocked. An unknown name lists all.",
 )
 @click.option(
     "--local-times",

@@ -108,7 +108,7 @@ def _said(stepper: Stepper, *lines: str) -> list[str]:
 def test_the_session_of_the_page(lamp: Stepper) -> None:
     shown = re.search(r"\$ tachk step lamp.ta\n(.*?)```", PAGE, re.DOTALL)
     assert shown is not None
-    said = [*lamp.greeting(), "help says what can be typed"]
+    said = [*lamp.greeting(), "type `help` for the commands"]
     for line in ("1", "2 @ 4.5"):
         said += [f"> {line}", *lamp.answer(line)]
     told = shown[1].removesuffix("...\n").splitlines()
@@ -141,7 +141,7 @@ def test_undo_and_redo(lamp: Stepper) -> None:
             ["1", "delay 61"],
             "invariant would be violated after a delay of 61\n.*of Low: false with x = 61",
         ),
-        (["delay x"], "x is no time"),
+        (["delay x"], "x is not a number of time units"),
         (["undo"], "no step has been taken yet"),
         (["1", "goto 2"], "there are the steps 0 to 1"),
         (["dance"], "there is no command 'dance'"),
@@ -242,7 +242,7 @@ def test_a_terminal(tmp_path: Path) -> None:
                 seen += os.read(ours, 4096).decode()
             seen = seen.partition(text)[2]
 
-        until("help says what can be typed")
+        until("type `help` for the commands")
         for typed, answer in (("fly", "there is no command 'fly'"), ("1", "step 1, time 0"), ("q", "q")):
             until("> ")
             os.write(ours, f"{typed}\n".encode())
