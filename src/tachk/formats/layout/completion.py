@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from tachk.formats.layout.placement.additions import with_additions
 from tachk.formats.layout.placement.template import place_template
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import (
@@ -23,22 +24,20 @@ _TITLE = Point(5, 5)
 _NAME_OFFSET = Point(-10, -34)
 _BELOW = Point(-10, 17)
 _LINE = 17
-_GAP = 120
-"""Between the picture and locations that came later."""
 
 
 def complete(template: ast.Template, known: TemplateLayout | None) -> TemplateLayout:
     """The layout with a position for every location, name and label that may be written.
 
-    A template without any position is placed as a whole; single new locations are placed beside the others.
+    A template without any position is placed as a whole; in others, new locations, edges and labels get free places.
     """
     names = [node.name.name for node in nodes_of(template)]
     layout = known or TemplateLayout()
     placed = {name for name in names if name in layout.nodes and layout.nodes[name].position is not None}
     if not placed:
         layout = _merged(place_template(template), layout)
-    elif len(placed) < len(names):
-        layout = _with_new_nodes(template, layout, placed)
+    else:
+        layout = with_additions(template, layout)
     nodes = {name: _node(layout.nodes.get(name, NodeLayout())) for name in names}
     edges = {}
     for key, _ in keyed_edges(template):
@@ -81,22 +80,6 @@ def _with_texts(new: Mapping[str, LabelLayout], old: Mapping[str, LabelLayout]) 
         if label.text is not None:
             merged[kind] = replace(merged.get(kind, LabelLayout()), text=label.text)
     return merged
-
-
-def _with_new_nodes(template: ast.Template, layout: TemplateLayout, placed: set[str]) -> TemplateLayout:
-    """New locations right of the picture, among themselves as a picture of their own would have them."""
-    fresh = place_template(template)
-    old = [node.position for name, node in layout.nodes.items() if name in placed and node.position is not None]
-    new = {name: node.position for name, node in fresh.nodes.items() if name not in placed and node.position}
-    if not new:
-        return layout
-    right, top = max(point.x for point in old) + _GAP, min(point.y for point in old)
-    left, highest = min(point.x for point in new.values()), min(point.y for point in new.values())
-    nodes = dict(layout.nodes)
-    for name, point in new.items():
-        position = Point(point.x - left + right, point.y - highest + top)
-        nodes[name] = replace(layout.nodes.get(name, NodeLayout()), position=position)
-    return replace(layout, nodes=nodes)
 
 
 def _node(node: NodeLayout) -> NodeLayout:

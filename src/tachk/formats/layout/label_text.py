@@ -7,7 +7,11 @@ from collections.abc import Iterator, Mapping
 
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import edge_clauses
+from tachk.syntax.picture_layout import LabelLayout, Point
 from tachk.syntax.printing.expression_printer import print_clause, print_expression
+
+Size = tuple[int, int]
+"""Width and height, in UPPAAL's coordinates."""
 
 LINE_HEIGHT = 15
 """From one line of a label to its next, in UPPAAL's coordinates."""
@@ -101,8 +105,22 @@ def text_height(text: str) -> int:
     return LINE_HEIGHT * (text.count("\n") + 1) + LABEL_GAP
 
 
-def stack_size(labels: Mapping[str, str]) -> tuple[int, int]:
+def stack_size(labels: Mapping[str, str]) -> Size:
     """Width and height of labels one below the other."""
     if not labels:
         return 0, 0
     return max(map(text_width, labels.values())), sum(map(text_height, labels.values()))
+
+
+def text_size(text: str) -> Size:
+    return text_width(text), text_height(text)
+
+
+def label_stack(texts: Mapping[str, str], corner: Point) -> dict[str, LabelLayout]:
+    """Labels one below the other; a text that is broken into lines is kept with its breaks."""
+    stack = {}
+    top = corner.y
+    for kind, wrapped in line_broken(texts).items():
+        stack[kind] = LabelLayout(Point(corner.x, top), wrapped if wrapped != texts[kind] else None)
+        top += text_height(wrapped)
+    return stack

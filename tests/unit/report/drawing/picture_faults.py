@@ -7,6 +7,7 @@ from itertools import combinations, pairwise
 
 from tachk.formats.layout.label_text import edge_labels, location_labels, text_height, text_width
 from tachk.formats.layout.placement.geometry import Box, node_box, segment_meets_box
+from tachk.formats.layout.placement.routing import are_disjoint
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Point, TemplateLayout, keyed_edges
 
@@ -34,6 +35,19 @@ def faults(template: ast.Template, layout: TemplateLayout) -> list[str]:
                 and segment_meets_box(a, b, box)
             ]
     return found
+
+
+def lying_together(layout: TemplateLayout) -> list[str]:
+    """The pairs of edges between the same two locations whose lines cannot be told apart."""
+    routes = {
+        key: (_given(layout.nodes[key.source].position), *edge.nails, _given(layout.nodes[key.target].position))
+        for key, edge in layout.edges.items()
+    }
+    return [
+        f"{a} and {b} lie together"
+        for a, b in combinations(routes, 2)
+        if {a.source, a.target} == {b.source, b.target} and not are_disjoint(routes[a], routes[b])
+    ]
 
 
 def missing(template: ast.Template, layout: TemplateLayout) -> list[str]:

@@ -15,10 +15,11 @@ from math import hypot
 
 import networkx as nx
 
+from tachk.formats.layout.label_text import Size
 from tachk.formats.layout.placement.coordinates import Extent, across
 from tachk.formats.layout.placement.geometry import RADIUS, Box
 from tachk.formats.layout.placement.layers import Layering, Traversal, flow, ranks
-from tachk.formats.layout.placement.sketch import Size, Sketch, SketchEdge, SketchNode, TemplateDrawing
+from tachk.formats.layout.placement.sketch import Sketch, SketchEdge, SketchNode, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 GRID = 8

@@ -12,9 +12,10 @@ from itertools import pairwise
 from math import hypot
 
 from tachk.base.job import check_job
+from tachk.formats.layout.label_text import Size
 from tachk.formats.layout.placement.geometry import Box, node_box, segment_meets_box
 from tachk.formats.layout.placement.routing import crossings, shortened, spread
-from tachk.formats.layout.placement.sketch import Size, Sketch, TemplateDrawing
+from tachk.formats.layout.placement.sketch import Sketch, TemplateDrawing
 from tachk.syntax.picture_layout import Point
 
 _LOOP_LENGTH, _LOOP_HALF_WIDTH = 44, 10
@@ -75,11 +76,7 @@ class _Scene:
         others = [route for number, route in enumerate(self.routes) if number != at]
         boxes = self._boxes(at, {edge.source})
         for x, y in _DIRECTIONS:
-            tip_x, tip_y = centre.x + _LOOP_LENGTH * x, centre.y + _LOOP_LENGTH * y
-            nails = [
-                Point(round(tip_x - side * _LOOP_HALF_WIDTH * y), round(tip_y + side * _LOOP_HALF_WIDTH * x))
-                for side in (1, -1)
-            ]
+            nails = loop_nails(centre, (x, y), _LOOP_LENGTH)
             route = (centre, *nails, centre)
             if (
                 any(segment_meets_box(a, b, box) for a, b in pairwise(route) for box in boxes)
@@ -87,7 +84,7 @@ class _Scene:
                 or not all(spread(centre, nail, others) for nail in nails)
             ):
                 continue
-            label = _beyond(nails, (x, y), edge.labels_size) if self.labels[at] is not None else None
+            label = beyond_loop(nails, (x, y), edge.labels_size) if self.labels[at] is not None else None
             if label is None or self._has_room(label, at, route):
                 self.routes[at], self.labels[at] = route, label
                 return
@@ -106,7 +103,7 @@ class _Scene:
         if self.labels[at] is None:
             self.routes[at] = route
             return
-        for label in _beside(route, edge.labels_size):
+        for label in beside_line(route, edge.labels_size):
             if self._has_room(label, at, route):
                 self.routes[at], self.labels[at] = route, label
                 return
@@ -131,7 +128,15 @@ class _Scene:
         return not any(segment_meets_box(a, b, wide) for line in others for a, b in pairwise(line))
 
 
-def _beyond(nails: Sequence[Point], direction: tuple[float, float], size: Size) -> Box:
+def loop_nails(centre: Point, direction: tuple[float, float], length: float) -> tuple[Point, Point]:
+    """The nails of a self-loop of this length that points into a direction, given as a unit vector."""
+    x, y = direction
+    tip_x, tip_y = centre.x + length * x, centre.y + length * y
+    aside_x, aside_y = _LOOP_HALF_WIDTH * y, _LOOP_HALF_WIDTH * x
+    return Point(round(tip_x - aside_x), round(tip_y + aside_y)), Point(round(tip_x + aside_x), round(tip_y - aside_y))
+
+
+def beyond_loop(nails: Sequence[Point], direction: tuple[float, float], size: Size) -> Box:
     """The box of this size behind the tip of a loop that points into a direction."""
     x, y = direction
     width, height = size
@@ -147,7 +152,7 @@ def _beyond(nails: Sequence[Point], direction: tuple[float, float], size: Size) 
     return Box(round(corner_x), round(corner_y), round(corner_x) + width, round(corner_y) + height)
 
 
-def _beside(route: Sequence[Point], size: Size) -> Iterator[Box]:
+def beside_line(route: Sequence[Point], size: Size) -> Iterator[Box]:
     """Boxes of this size that touch a line: first in its middle, right of it or above."""
     width, height = size
     length = sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(route))

@@ -88,7 +88,7 @@ def shortened(
             if (
                 free(a, b)
                 and _keeps_to_label(route, shorter, label)
-                and all(_are_disjoint(shorter, rival) for rival in rivals)
+                and all(are_disjoint(shorter, rival) for rival in rivals)
                 and (start > 0 or spread(a, b, others))
                 and (end < len(route) - 1 or spread(b, a, others))
                 and crossings(((a, b),), others) <= crossings(tuple(pairwise(route[start : end + 1])), others)
@@ -113,7 +113,7 @@ def _to_label(route: Sequence[Point], label: Box) -> float:
     return min(distance_to_segment(Point(round(x), round(y)), a, b) for x, y in corners for a, b in pairwise(route))
 
 
-def _are_disjoint(route: Sequence[Point], rival: Sequence[Point]) -> bool:
+def are_disjoint(route: Sequence[Point], rival: Sequence[Point]) -> bool:
     """True if two edges between the same nodes are distinct in the drawing: one has a nail off the other's line."""
     inner = [(point, rival) for point in route[1:-1]] + [(point, route) for point in rival[1:-1]]
     return any(
@@ -152,7 +152,7 @@ def clear_texts(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
         own: tuple[Box, Box | None] = names[at], labels[at]
         best = float("inf")
         node = sketch.nodes[at]
-        candidates = (own, *_candidates(centre, node.name_size, node.labels_size))
+        candidates = (own, *node_text_places(centre, node.name_size, node.labels_size))
         for preference, (name, label) in enumerate(candidates):
             cost = 0.2 * preference
             if cost >= best:
@@ -174,7 +174,7 @@ def clear_texts(sketch: Sketch, drawing: TemplateDrawing) -> TemplateDrawing:
     return replace(drawing, names=tuple(names), node_labels=tuple(labels))
 
 
-def _candidates(
+def node_text_places(
     centre: Point, name_size: tuple[int, int], labels_size: tuple[int, int]
 ) -> Iterator[tuple[Box, Box | None]]:
     """Places of the name and the labels of a node: UPPAAL's habits first."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tachk.formats.layout.label_text import (
+    Size,
     edge_labels,
     line_broken,
     location_labels,
@@ -15,9 +16,6 @@ from tachk.formats.layout.label_text import (
 from tachk.formats.layout.placement.geometry import Box, node_box
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeKey, Point, keyed_edges
-
-Size = tuple[int, int]
-"""Width and height."""
 
 
 @dataclass(frozen=True, slots=True)
