@@ -12,9 +12,10 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.commands.chart import write_chart
 from tachk.cli.main import app
-from tachk.report.drawing.sequence.chart import Chart, Note
+from tachk.report.drawing.sequence.chart import Chart, Condition, Note
 from tachk.report.drawing.sequence.layout import TimeAxis
 from tachk.report.json_report import runs_to_json
+from tachk.report.sequence.named_processes import named_members
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_report
 
@@ -128,16 +129,21 @@ def test_reports_without_a_run(tmp_path: Path, sleeper: Path):
     assert not (tmp_path / "x.svg").exists()
 
 
+def locations(chart: Chart) -> list[tuple[str, str]]:
+    """The locations in a chart, each with the process that enters it."""
+    return [(chart.lifelines[one.lifeline], one.text) for one in chart.events if isinstance(one, Condition)]
+
+
 @pytest.mark.parametrize(
-    ("query", "lifelines", "notes"),
+    ("query", "places"),
     [
-        ("A[] not Q.C", ("P", "Q"), ["→ B", "→ B", "→ C", "q1 fails"]),
-        ("E<> P.A", (), ["q1 holds"]),
-        ("E<> P.B", ("P",), ["→ B", "q1 holds"]),
+        ("A[] not Q.C", [("P", "A"), ("Q", "A"), ("P", "B"), ("Q", "B"), ("Q", "C")]),
+        ("E<> P.A", [("P", "A")]),
+        ("E<> P.B", [("P", "A"), ("P", "B")]),
     ],
 )
 def test_a_run_without_messages_shows_the_locations_that_processes_enter(
-    query: str, lifelines: tuple[str, ...], notes: list[str], tmp_path: Path
+    query: str, places: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     path = tmp_path / "quiet.ta"
     path.write_text(
@@ -148,10 +154,59 @@ def test_a_run_without_messages_shows_the_locations_that_processes_enter(
         encoding="utf-8",
     )
     chart = chart_of(path, query)
-    assert chart.lifelines == lifelines
-    assert [event.text for event in chart.events if isinstance(event, Note)] == notes
+    assert locations(chart)[: len(places)] == places
+    assert set(locations(chart)[len(places) :]) <= {("P", "B")}, "the last one, where another process goes on"
     for picture in ("quiet.svg", "quiet.png"):
         write_chart(chart.used(), tmp_path / picture, TimeAxis.COMPRESSED)
+
+
+CONTROLLER = """
+chan request, answer;
+process Client() {
+    init location Idle { to Waiting { sync request!; } }
+    location Waiting { to Idle { sync answer?; } }
+}
+process Controller() {
+    clock y;
+    init location Ready { to Busy { sync request?; assign y = 0; } }
+    location Busy { invariant y <= 8; to Ready { guard y >= 2; sync answer!; } to Failed { guard y >= 7; } }
+    location Failed { }
+}
+system Client, Controller;
+"""
+
+
+@pytest.mark.parametrize(
+    ("query", "places"),
+    [
+        ("A[] !Controller.Failed", [("Controller", "Ready"), ("Controller", "Failed"), ("Client", "Waiting")]),
+        (
+            "A[] !Controller.Busy",
+            [("Controller", "Ready"), ("Controller", "Busy"), ("Client", "Waiting")],
+        ),
+        ("A[] !deadlock", [("Client", "Waiting"), ("Controller", "Failed")]),
+    ],
+)
+def test_among_messages_locations_of_named_processes_and_the_last_ones_are_shown(
+    query: str, places: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    path = tmp_path / "controller.ta"
+    path.write_text(CONTROLLER, encoding="utf-8")
+    assert locations(chart_of(path, query)) == places
+
+
+@pytest.mark.parametrize(
+    ("query", "named"),
+    [
+        ("A[] !Gate.Open", {"Gate": {"Open"}}),
+        ("E<> Train(1).Cross && Train( 1 ).x > 3", {"Train(1)": {"Cross", "x"}}),
+        ("A[] forall (i : id_t) !Train(i).Cross", {"Train(1)": {"Cross"}, "Train(2)": {"Cross"}}),
+        ("Whenever Gate.Open, within 20, Train(2).Stop must be true.", {"Gate": {"Open"}, "Train(2)": {"Stop"}}),
+        ("A[] !deadlock", {}),
+    ],
+)
+def test_processes_that_a_property_names(query: str, named: dict[str, set[str]]) -> None:
+    assert named_members(query, ("Train(1)", "Train(2)", "Gate")) == named
 
 
 def test_repeated_moves_are_drawn_once(tmp_path: Path) -> None:
@@ -165,7 +220,6 @@ def test_repeated_moves_are_drawn_once(tmp_path: Path) -> None:
         system P;""",
         encoding="utf-8",
     )
-    texts = [event.text for event in chart_of(path, "E<> n == 40").events if isinstance(event, Note)]
-    assert texts[:2] == ["→ B", "→ A"]
-    assert any(text.startswith("↻ 40 times") for text in texts)
-    assert len(texts) < 8
+    chart = chart_of(path, "E<> n == 40")
+    assert locations(chart) == [("P", "A"), ("P", "B"), ("P", "A")]
+    assert next(note.text for note in chart.events if isinstance(note, Note)).startswith("↻ 40 times")

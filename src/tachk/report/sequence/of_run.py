@@ -2,20 +2,33 @@
 
 A process that synchronises sends a message that takes no time. What goes through a link of models/lib, into it on
 ``send[link][kind]`` and out of it on ``deliver[link][kind]``, is one message that takes the time in between; it may be
-lost. Where no process sends anything, the locations that processes enter are drawn. Repeated blocks of steps
-are drawn once.
+lost. Locations stand on the lifelines where they say why the property holds or fails: of processes that it names the
+first one, those that they enter alone and those that it names; of the others the last one. Where no process sends
+anything, all locations that processes enter are drawn. Repeated blocks of steps are drawn once.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.records import dataclass
 from tachk.model.quantity import duration, ranges
-from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase
+from tachk.report.drawing.sequence.chart import (
+    Category,
+    Chart,
+    Condition,
+    Event,
+    Message,
+    Moment,
+    Note,
+    Phase,
+    begun,
+    lifelines_of,
+)
+from tachk.report.sequence.named_processes import named_members
 from tachk.report.sequence.run_steps import RunStep, RunSteps
 
 _THROUGH_A_LINK = re.compile(r"(send|deliver)\[(\w+)\]\[(\w+)\]")
@@ -35,18 +48,21 @@ def chart_of_run(run: RunSteps) -> Chart:
     """Processes from left to right as in the system line, without those that only listen; times of the model."""
     unit, factor = _unit(run.unit)
     shown_steps, repeats = _folded(run)
-    lifelines = _lifelines(run)
-    making = _Making(run, lifelines, factor)
+    named = named_members(run.query, run.processes)
+    lifelines = _lifelines(run, named)
+    making = _Making(run, lifelines, named, factor)
     making.read()
-    events: list[Message | Note] = [event for number in shown_steps for event in making.events.get(number, ())]
+    events: list[Event] = list(making.beginning())
+    events += [event for number in shown_steps for event in making.events.get(number, ())]
     events += [
         _repetition(run, begin, steps, times, factor)
         for begin, steps, times in repeats
         if any(making.events.get(number) for number in range(begin, begin + steps))
     ]
     end = Moment(run.end * factor, len(run.steps) + 1)
-    events.append(Note(None, end, run.remark))
-    events.sort(key=lambda event: event.sent if isinstance(event, Message) else event.moment)
+    events.sort(key=begun)
+    events += making.ending(events, end)
+    events.append(Note(None, Moment(end.time, end.order + 1), run.remark))
     phases = tuple(making.phases(end))
     description = f"{run.title}; a run of {len(run.steps)} steps, {sum(one.is_lost for one in run.steps)} messages lost"
     return Chart(run.title, description, unit, lifelines, tuple(events), phases)
@@ -58,11 +74,12 @@ def _unit(unit: str) -> tuple[str, Fraction]:
     return name, Fraction(amount) if amount else Fraction(1)
 
 
-def _lifelines(run: RunSteps) -> tuple[str, ...]:
-    """Processes that send something, or receive from others than senders; those that move if no process sends."""
+def _lifelines(run: RunSteps, named: Container[str]) -> tuple[str, ...]:
+    """Processes that send something, or receive from others than senders, and those that the property names and that
+    move; those that move or that it names if no process sends."""
+    moved = {process for step in run.steps for process in step.locations}
     if not run.has_messages:
-        moved = {process for step in run.steps for process in step.locations}
-        return tuple(process for process in run.processes if process in moved)
+        return tuple(process for process in run.processes if process in moved or process in named)
     carriers = {step.sender for step in run.steps if step.channel.startswith("deliver[")}
     active = {step.sender for step in run.steps if step.channel} - carriers
     chosen = set(active)
@@ -71,6 +88,7 @@ def _lifelines(run: RunSteps) -> tuple[str, ...]:
         if step.channel and not step.channel.startswith("send[") and not active.intersection(receiving):
             chosen.update(receiving[:1])
     chosen |= {process for step in run.steps for process, _ in step.news}
+    chosen |= {process for process in moved if process in named}
     return tuple(process for process in run.processes if process in chosen)
 
 
@@ -90,15 +108,18 @@ class _Making:
         events: by the number of the step.
     """
 
-    def __init__(self, run: RunSteps, lifelines: Sequence[str], factor: Fraction) -> None:
+    def __init__(
+        self, run: RunSteps, lifelines: Sequence[str], named: Mapping[str, Container[str]], factor: Fraction
+    ) -> None:
         self._run = run
+        self._named = named
         self._lifeline = {process: number for number, process in enumerate(lifelines)}
         self._factor = factor
         self._draws_moves = not run.has_messages
         self._links: dict[str, list[_UnderWay]] = {}
         self._ends = self._far_ends()
         self._sent: set[tuple[str, int]] = set()
-        self.events: dict[int, list[Message | Note]] = {}
+        self.events: dict[int, list[Event]] = {}
 
     def _far_ends(self) -> dict[str, tuple[int, ...]]:
         """The receivers at the end of each link."""
@@ -120,8 +141,7 @@ class _Making:
                 self._out_of(number, step, link[2], self._kind(link[3]))
             elif step.channel:
                 self._handshake(number, step)
-            elif self._draws_moves:
-                self._move(number, step)
+            self._enter(number, step)
             for process, words in step.news:
                 if process in self._lifeline:
                     note = Note(self._lifeline[process], self._moment(number), words)
@@ -174,11 +194,36 @@ class _Making:
             made = Message(self._lifeline[step.sender], receivers, moment, (moment,), step.channel, detail)
             self.events.setdefault(number, []).append(made)
 
-    def _move(self, number: int, step: RunStep) -> None:
+    def _enter(self, number: int, step: RunStep) -> None:
+        """The locations that matter among those that a step enters."""
         for process, place in step.locations.items():
-            if process in self._lifeline:
-                note = Note(self._lifeline[process], self._moment(number), f"→ {place}")
-                self.events.setdefault(number, []).append(note)
+            is_shown = self._draws_moves or (
+                process in self._named and (not step.channel or place in self._named[process])
+            )
+            if process in self._lifeline and is_shown:
+                entered = Condition(self._lifeline[process], self._moment(number), place)
+                self.events.setdefault(number, []).append(entered)
+
+    def beginning(self) -> Iterator[Condition]:
+        """The first locations of the processes that the property names, or of all where no process sends."""
+        for process, lifeline in self._lifeline.items():
+            if self._draws_moves or process in self._named:
+                yield Condition(lifeline, Moment(Fraction(0), -1), self._run.initial[process])
+
+    def ending(self, events: Sequence[Event], end: Moment) -> Iterator[Condition]:
+        """The last locations of processes that have been in several, unless they are the last to stand there.
+
+        Args:
+            events: that are drawn, in order.
+        """
+        last = {lifeline: event for event in events for lifeline in lifelines_of(event)}
+        for process, lifeline in self._lifeline.items():
+            places = [step.locations[process] for step in self._run.steps if process in step.locations]
+            initial, final = self._run.initial[process], (places or [""])[-1]
+            if (process in self._named and places) or any(place != initial for place in places):
+                before = last.get(lifeline)
+                if not (isinstance(before, Condition) and before.text == final):
+                    yield Condition(lifeline, end, final)
 
     def phases(self, end: Moment) -> Iterator[Phase]:
         """The phases in which processes are in locations whose names mean sleep."""

@@ -8,7 +8,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Final
 
-from tachk.report.drawing.sequence.chart import Chart, Message, Note, begun
+from tachk.report.drawing.sequence.chart import Chart, Event, Message, Note, begun
 from tachk.report.drawing.sequence.layout import decimal
 
 _LONGEST: Final = 6
@@ -20,7 +20,7 @@ _FEWEST: Final = 6
 
 def shown_once(chart: Chart) -> Chart:
     """The chart with the first and the last of such rounds, and a note of how many are between them."""
-    shown: list[Message | Note] = []
+    shown: list[Event] = []
     place = 0
     alike = [_alike(event) for event in chart.events]
     while place < len(alike):
@@ -37,9 +37,9 @@ def shown_once(chart: Chart) -> Chart:
     return replace(chart, events=tuple(shown))
 
 
-def _alike(event: Message | Note) -> Hashable:
+def _alike(event: Event) -> Hashable:
     """The common appearance of two events."""
-    if isinstance(event, Note):
+    if not isinstance(event, Message):
         return event
     return event.sender, event.receivers, event.label, event.is_lost, event.is_repeated, len(event.arrivals)
 

@@ -44,6 +44,7 @@ class RunStep:
 class RunSteps:
     """Attributes:
     title: what the run is about.
+    query: the property that it is the evidence for.
     unit: of time; may be empty.
     constants: of the model.
     processes: that are not hidden, in the order of the model.
@@ -54,6 +55,7 @@ class RunSteps:
     """
 
     title: str
+    query: str
     unit: str
     constants: Mapping[str, int]
     processes: tuple[str, ...]
@@ -93,7 +95,15 @@ def steps_of_result(run: Mapping[str, Any], result: Mapping[str, Any]) -> RunSte
     title = f"{result['name']}: {result['title'] or result['query']}"
     processes = tuple(initial["locations"])
     return RunSteps(
-        title, run["time_unit"], run["constants"], processes, initial["locations"], tuple(steps), end, remark
+        title,
+        result["query"],
+        run["time_unit"],
+        run["constants"],
+        processes,
+        initial["locations"],
+        tuple(steps),
+        end,
+        remark,
     )
 
 

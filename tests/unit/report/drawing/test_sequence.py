@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, pairwise
 from random import Random
@@ -9,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment, Note, Phase, begun
+from tachk.report.drawing.sequence.chart import Category, Chart, Condition, Event, Message, Moment, Note, Phase, begun
 from tachk.report.drawing.sequence.layout import ChartLabel, ChartLayout, TimeAxis, lay_out, overlap
 from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tests.support.seeds import seeds
@@ -22,13 +23,16 @@ def random_chart(seed: int, events: int = 40) -> Chart:
     random = Random(seed)
     count = random.randint(2, 4)
     time = Fraction(0)
-    made: list[Message | Note] = []
+    made: list[Event] = []
     for number in range(events):
         time += random.choice((Fraction(0), Fraction(random.randint(1, 9), 10), Fraction(random.randint(1, 40))))
         time += random.choice((0, 0, 0, 0, 500))
         moment = Moment(time, 10 * number)
         if random.random() < 0.1:
             made.append(Note(random.choice([None, *range(count)]), moment, "something <happens> & ends"))
+            continue
+        if random.random() < 0.2:
+            made.append(Condition(random.randrange(count), moment, random.choice(("Idle", "WaitingForAnAnswer"))))
             continue
         sender, receiver = random.sample(range(count), 2)
         late = [Moment(time + random.choice((0, Fraction(1, 3), 30)), 10 * number + n) for n in range(1, 3)]
@@ -48,8 +52,9 @@ def random_chart(seed: int, events: int = 40) -> Chart:
 @pytest.mark.parametrize("seed", seeds(range(6)))
 def test_no_text_stands_on_another_and_everything_is_inside(seed: int, axis: TimeAxis):
     layout = lay_out(random_chart(seed), axis)
-    assert [(one, other) for one, other in combinations(layout.labels, 2) if overlap(one, other)] == []
-    for label in layout.labels:
+    texts = [*layout.labels, *layout.locations]
+    assert [(one, other) for one, other in combinations(texts, 2) if overlap(one, other)] == []
+    for label in texts:
         left, top, right, bottom = label.box
         assert (left >= 0, top >= 0, right <= layout.width, bottom <= layout.height) == (True,) * 4, label
 
@@ -95,6 +100,23 @@ def test_to_scale_equal_times_are_equal_lengths_and_long_silences_are_left_out()
     assert steps[2] == pytest.approx(2 * steps[0])
     assert len(layout.cuts) == 1
     assert "8940 ms" in [label.text for label in layout.labels]
+
+
+def test_to_scale_what_happens_at_one_time_stands_one_below_the_other():
+    entered = Condition(1, Moment(Fraction(3), 4), "Done")
+    chart = replace(chart_of(message(3, 3, 0), message(3, 3, 2), message(9, 9, 6)), unit="ms")
+    events = tuple(sorted((*chart.events, entered), key=begun))
+    layout = lay_out(replace(chart, events=events), TimeAxis.SCALE)
+    first, second, _ = sent(layout)
+    (box,) = layout.locations
+    assert second - first >= 6
+    assert box.box[1] > second
+
+
+def test_labels_keep_off_their_arrows():
+    """Letters such as q reach 3 below the base line, the halo around them 1.5 further."""
+    layout = lay_out(chart_of(message(0, 0), message(5, 5)))
+    assert [arrow.y - label.y >= 4.5 for arrow, label in zip(layout.arrows, layout.labels, strict=False)] == [True] * 2
 
 
 def test_compressed_what_arrives_later_stands_lower():
@@ -149,4 +171,4 @@ def test_a_wide_note_stays_beside_the_times(axis: TimeAxis):
 def test_what_comes_below_a_note_has_room():
     _, layout = noted("wider than from one lifeline to the other one")
     labels = {label.text: label.y for label in layout.labels}
-    assert [labels[arrow.message.label] - arrow.y for arrow in layout.arrows] == [-4, -4]
+    assert [labels[arrow.message.label] - arrow.y for arrow in layout.arrows] == [-5, -5]

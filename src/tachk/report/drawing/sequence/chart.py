@@ -68,6 +68,19 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
+class Condition:
+    """The location in which a process is from a moment on: a condition in the words of message sequence charts (ITU-T
+    Z.120)."""
+
+    lifeline: int
+    moment: Moment
+    text: str
+
+
+Event = Message | Note | Condition
+
+
+@dataclass(frozen=True, slots=True)
 class Phase:
     """A time in which a process is in a state that is worth showing, such as asleep."""
 
@@ -84,7 +97,7 @@ class Chart:
     description: the same at length.
     unit: of all times; empty if they have none.
     lifelines: names of processes, from left to right.
-    events: messages and notes in the order of their moments; messages at that of sending.
+    events: in the order of their moments; messages at that of sending.
     phases: states that are shown along the lifelines.
     """
 
@@ -92,7 +105,7 @@ class Chart:
     description: str
     unit: str
     lifelines: tuple[str, ...]
-    events: tuple[Message | Note, ...]
+    events: tuple[Event, ...]
     phases: tuple[Phase, ...] = ()
 
     def part(self, begin: Fraction | None, end: Fraction | None) -> Chart:
@@ -133,11 +146,7 @@ class Chart:
 
     def _lifelines(self) -> Iterator[int]:
         for event in self.events:
-            if isinstance(event, Message):
-                yield event.sender
-                yield from event.receivers
-            elif event.lifeline is not None:
-                yield event.lifeline
+            yield from lifelines_of(event)
 
 
 def _coming(message: Message, top: Moment) -> Message | None:
@@ -149,17 +158,24 @@ def _coming(message: Message, top: Moment) -> Message | None:
     return replace(message, sent=top, arrivals=arrivals, label=label, is_under_way=True)
 
 
-def begun(event: Message | Note) -> Moment:
+def begun(event: Event) -> Moment:
     """The moment at which an event happens or begins."""
     return event.sent if isinstance(event, Message) else event.moment
 
 
-def moments(event: Message | Note) -> tuple[Moment, ...]:
+def lifelines_of(event: Event) -> tuple[int, ...]:
+    """The lifelines that an event is about; none if it is about all of them."""
+    if isinstance(event, Message):
+        return event.sender, *event.receivers
+    return () if event.lifeline is None else (event.lifeline,)
+
+
+def moments(event: Event) -> tuple[Moment, ...]:
     """The moments at which an event begins, and at which messages arrive."""
     return (event.sent, *event.arrivals) if isinstance(event, Message) else (event.moment,)
 
 
-def _renumbered(event: Message | Note, number: dict[int, int]) -> Message | Note:
+def _renumbered(event: Event, number: dict[int, int]) -> Event:
     if isinstance(event, Message):
         receivers = tuple(number[receiver] for receiver in event.receivers)
         return replace(event, sender=number[event.sender], receivers=receivers)

@@ -18,11 +18,12 @@ from math import log10
 from statistics import median
 
 from tachk.formats.layout.label_text import text_width
-from tachk.report.drawing.sequence.chart import Chart, Message, Moment, Note, Phase, begun, moments
+from tachk.report.drawing.sequence.chart import Chart, Condition, Event, Message, Moment, Note, Phase, begun, moments
 
 LINE = 17
 """From one label to the next one below it."""
 
+_ASCENT = 11
 _LABEL_DISTANCE = LINE - 2
 """The same where labels had to move; more than the height of a text."""
 
@@ -35,8 +36,12 @@ HEADER = 44
 _FOOTER = 24
 _NARROWEST, _WIDEST = 130, 330
 _AROUND = 26
-_TIMES = 92
-"""The column of times, at the left."""
+_MARGIN = 16
+_TIMES = 50
+"""The least width of the column of times, at the left."""
+
+_ABOVE_ARROW = 5
+"""From an arrow up to the base line of its label, whose letters may reach below that line."""
 
 _ARRIVAL = 7
 """A message that takes time arrives at least so far below the place where it was sent."""
@@ -49,6 +54,14 @@ _CROSSED = 10
 
 _NOTED = 8
 """More room below a note, which stands in the middle of its line."""
+
+_BOXED = 8
+"""More room below a location, which stands in a box."""
+
+_BOX_HEIGHT, _BOX_PADDING = 18, 7
+
+_TOGETHER, _BOXES_TOGETHER = 7, 22
+"""To scale: from one event down to the next one at the same time, and where one of them is a box."""
 
 _BREAK = 30
 _QUIET = 6
@@ -111,7 +124,31 @@ class ChartLabel:
         """Left, top, right, bottom."""
         width = text_width(self.text)
         left = {"start": self.x, "end": self.x - width, "middle": self.x - width / 2}[self.anchor]
-        return left, self.y - 11, left + width, self.y + 3
+        return left, self.y - _ASCENT, left + width, self.y + 3
+
+
+@dataclass(frozen=True, slots=True)
+class LocationBox:
+    """A location on a lifeline, in a box with its middle at x and y.
+
+    Attributes:
+        full: the whole text where it was cut off.
+    """
+
+    text: str
+    x: int
+    y: float
+    full: str = ""
+
+    @property
+    def width(self) -> int:
+        return _box_width(self.text)
+
+    @property
+    def box(self) -> tuple[float, float, float, float]:
+        """Left, top, right, bottom."""
+        across, down = self.width / 2, _BOX_HEIGHT / 2
+        return self.x - across, self.y - down, self.x + across, self.y + down
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +182,7 @@ class ChartLayout:
     lifelines: tuple[int, ...]
     arrows: tuple[Arrow, ...]
     labels: tuple[ChartLabel, ...]
+    locations: tuple[LocationBox, ...]
     bands: tuple[LifelineBand, ...]
     cuts: tuple[Cut, ...]
     width: int
@@ -156,7 +194,8 @@ def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
     xs = _columns(chart)
     rows = _ChartRows(chart, axis)
     arrows = tuple(_arrow(message, rows, xs) for message in chart.messages)
-    labels = _without_overlap([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()])
+    locations = tuple(_location(event, rows, xs) for event in chart.events if isinstance(event, Condition))
+    labels = _without_overlap([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()], locations)
     bands = tuple(
         LifelineBand(
             phase, xs[phase.lifeline], rows.at(phase.begin), max(rows.at(phase.end), rows.at(phase.begin) + LINE)
@@ -164,9 +203,17 @@ def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
         for phase in chart.phases
     )
     lowest = max([rows.bottom, *(label.y for label in labels), *(band.bottom for band in bands)])
-    right = max([xs[-1] + 60 if xs else 200, *(label.box[2] for label in labels)])
+    right = max([xs[-1] + 60 if xs else 200, *(label.box[2] for label in labels), *(one.box[2] for one in locations)])
     return ChartLayout(
-        chart, xs, arrows, tuple(labels), bands, tuple(rows.cuts), int(right + 16), int(lowest + _FOOTER)
+        chart,
+        xs,
+        arrows,
+        tuple(labels),
+        locations,
+        bands,
+        tuple(rows.cuts),
+        int(right + _MARGIN),
+        int(lowest + _FOOTER),
     )
 
 
@@ -174,14 +221,17 @@ def _columns(chart: Chart) -> tuple[int, ...]:
     """The positions of lifelines: labels and names fit between them."""
     count = len(chart.lifelines)
     lanes = [float(_NARROWEST)] * max(count - 1, 0)
+    widths = [text_width(name) + 24 for name in chart.lifelines]
+    for event in chart.events:
+        if isinstance(event, Condition):
+            widths[event.lifeline] = max(widths[event.lifeline], _box_width(_shown(event)))
     for lane in range(count - 1):
-        names = text_width(chart.lifelines[lane]) + text_width(chart.lifelines[lane + 1])
-        lanes[lane] = max(lanes[lane], names / 2 + 40)
+        lanes[lane] = max(lanes[lane], (widths[lane] + widths[lane + 1]) / 2 + 16)
     for event in chart.events:
         beside = _lane(event)
         if beside is not None and 0 <= beside < count - 1:
             lanes[beside] = max(lanes[beside], min(text_width(_shown(event)), _WIDEST) + _AROUND)
-    xs = [_times_width(chart) + (text_width(chart.lifelines[0]) // 2 + 24 if count else 0)]
+    xs = [_times_width(chart) + (widths[0] // 2 + 4 if count else 0)]
     for lane_width in lanes:
         xs.append(round(xs[-1] + lane_width))
     return tuple(xs[:count])
@@ -193,20 +243,26 @@ def _times_width(chart: Chart) -> int:
     found = [begun(event).time for event in chart.events]
     whole = [max(found) - min(found)] if found else []
     times = max((text_width(f"{decimal(time)} {chart.unit}") for time in (*found, *whole)), default=0)
-    return max(times + 40, _TIMES) + (tags + 10 if tags else 0)
+    return _MARGIN + max(times, _TIMES) + (tags + 10 if tags else 0) + _MARGIN
 
 
-def _lane(event: Message | Note) -> int | None:
+def _lane(event: Event) -> int | None:
     """Between which lifelines the label of an event stands: those with this number and the next."""
+    if isinstance(event, Condition):
+        return None
     if isinstance(event, Note):
-        return None if event.lifeline is None else event.lifeline
+        return event.lifeline
     furthest = max(event.receivers, key=lambda each: abs(each - event.sender), default=event.sender)
     return event.sender if furthest >= event.sender else event.sender - 1
 
 
-def _shown(event: Message | Note) -> str:
+def _box_width(text: str) -> int:
+    return text_width(text) + 2 * _BOX_PADDING
+
+
+def _shown(event: Event) -> str:
     """The marks at an event."""
-    if isinstance(event, Note):
+    if not isinstance(event, Message):
         return _cut(event.text)
     said = event.label
     if event.is_repeated:
@@ -240,7 +296,7 @@ class _ChartRows:
 
     def __init__(self, chart: Chart, axis: TimeAxis) -> None:
         self._chart = chart
-        self._right = _times_width(chart) - 16
+        self._right = _times_width(chart) - _MARGIN
         self.cuts: list[Cut] = []
         self._cut_times: list[tuple[float, str]] = []
         self._moments = sorted({moment for event in chart.events for moment in moments(event)})
@@ -258,6 +314,7 @@ class _ChartRows:
         quiet = max(_QUIET * usual, sum(gaps, Fraction(0)) / _PARTS)
         below = {message.sent: _CROSSED for message in self._chart.messages if message.is_lost}
         below |= {event.moment: _NOTED for event in self._chart.events if isinstance(event, Note)}
+        below |= {event.moment: _BOXED for event in self._chart.events if isinstance(event, Condition)}
         y = float(HEADER)
         last: Moment | None = None
         for moment in self._moments:
@@ -285,11 +342,25 @@ class _ChartRows:
         shown = sum((gap for gap in gaps if gap <= longest), Fraction(0))
         wanted = min(max(len(self._chart.events) * LINE * 1.6, 200), _TALLEST)
         scale = wanted / float(shown) if shown else 1.0
+        boxes: dict[Moment, list[int]] = {}
+        for event in self._chart.events:
+            if isinstance(event, Condition):
+                boxes.setdefault(event.moment, []).append(event.lifeline)
+        free: dict[int, float] = {}
+        begins = {begun(event) for event in self._chart.events}
+        before: Moment | None = None
         y = float(HEADER)
-        for number in range(len(self._moments)):
+        for number, moment in enumerate(self._moments):
             if number:
                 gap = gaps[number - 1]
                 y = self._cut(y, gap) if gap > longest else y + float(gap) * scale
+            if moment in begins:
+                if before is not None and before.time == moment.time:
+                    y += _BOXES_TOGETHER if before in boxes or moment in boxes else _TOGETHER
+                before = moment
+            for lifeline in boxes.get(moment, ()):
+                y = max(y, free.get(lifeline, 0.0))
+            free |= dict.fromkeys(boxes.get(moment, ()), y + _BOX_HEIGHT + 2)
             yield y
 
     def at(self, moment: Moment) -> float:
@@ -307,14 +378,14 @@ class _ChartRows:
         """The times of events, as far as there is room; equal times stand once."""
         last_y, last_time = float("-inf"), None
         if any(message.tag for message in self._chart.messages):
-            yield ChartLabel("packet", 16, HEADER / 2 - 5, "start", "gap")
+            yield ChartLabel("packet", _MARGIN, HEADER / 2 - 5, "start", "gap")
         for event in self._chart.events:
             moment = begun(event)
             y = self.at(moment)
             if y - last_y < LINE - 3 or (isinstance(event, Message) and event.is_under_way):
                 continue
             if isinstance(event, Message) and event.tag:
-                yield ChartLabel(event.tag, 16, y + 4, "start", "gap")
+                yield ChartLabel(event.tag, _MARGIN, y + 4, "start", "gap")
             if moment.time != last_time:
                 text = f"{decimal(moment.time)} {self._chart.unit}".rstrip()
                 yield ChartLabel(text, self._right, y + 4, "end", "time")
@@ -347,9 +418,16 @@ def _arrow(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Arrow:
     return Arrow(message, x, y, ends, copies)
 
 
+def _location(event: Condition, rows: _ChartRows, xs: Sequence[int]) -> LocationBox:
+    text = _shown(event)
+    return LocationBox(text, xs[event.lifeline], rows.at(event.moment), "" if text == event.text else event.text)
+
+
 def _labels(chart: Chart, rows: _ChartRows, xs: Sequence[int]) -> Iterator[ChartLabel]:
     left = _times_width(chart)
     for event in chart.events:
+        if isinstance(event, Condition):
+            continue
         y = rows.at(begun(event))
         text = _shown(event)
         if isinstance(event, Note):
@@ -363,9 +441,9 @@ def _labels(chart: Chart, rows: _ChartRows, xs: Sequence[int]) -> Iterator[Chart
         full = event.detail
         yield from _late_arrivals(event, rows, xs)
         if furthest >= event.sender:
-            yield ChartLabel(text, xs[event.sender] + 10, y - 4, "start", style, None, full)
+            yield ChartLabel(text, xs[event.sender] + 10, y - _ABOVE_ARROW, "start", style, None, full)
         else:
-            yield ChartLabel(text, xs[event.sender] - 10, y - 4, "end", style, None, full)
+            yield ChartLabel(text, xs[event.sender] - 10, y - _ABOVE_ARROW, "end", style, None, full)
 
 
 def _late_arrivals(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Iterator[ChartLabel]:
@@ -379,25 +457,29 @@ def _late_arrivals(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Ite
         for receiver in message.receivers[:1]:
             right = receiver >= message.sender
             x, anchor = (xs[receiver] - 10, "end") if right else (xs[receiver] + 10, "start")
-            yield ChartLabel(text, x, y - 4, anchor, message.category.value, None, message.detail)
+            yield ChartLabel(text, x, y - _ABOVE_ARROW, anchor, message.category.value, None, message.detail)
 
 
-def _without_overlap(labels: Sequence[ChartLabel]) -> list[ChartLabel]:
-    """Labels that would overlap others move down, and get a line to where they belong."""
+def _without_overlap(labels: Sequence[ChartLabel], boxes: Sequence[LocationBox]) -> list[ChartLabel]:
+    """Labels that would overlap others, or boxes, move down, and get a line to where they belong."""
     placed: list[ChartLabel] = []
     lowest: dict[tuple[float, str], float] = {}
     for label in sorted(labels, key=lambda each: each.y):
-        moved = _free(label, placed, lowest)
+        moved = _free(label, [*boxes, *placed[-_NEAR:]], lowest)
         placed.append(moved)
         lowest[label.x, label.anchor] = moved.y
     return placed
 
 
-def _free(label: ChartLabel, placed: Sequence[ChartLabel], lowest: Mapping[tuple[float, str], float]) -> ChartLabel:
+def _free(
+    label: ChartLabel,
+    placed: Sequence[ChartLabel | LocationBox],
+    lowest: Mapping[tuple[float, str], float],
+) -> ChartLabel:
     y = max(label.y, lowest.get((label.x, label.anchor), float("-inf")) + _LABEL_DISTANCE)
     moved = label if y == label.y else _at(label, y)
-    while above := [other for other in placed[-_NEAR:] if overlap(moved, other)]:
-        moved = _at(label, max(other.y for other in above) + _LABEL_DISTANCE)
+    while above := [other for other in placed if overlap(moved, other)]:
+        moved = _at(label, max(other.box[3] for other in above) + _ASCENT + 1)
     return moved
 
 
@@ -406,8 +488,8 @@ def _at(label: ChartLabel, y: float) -> ChartLabel:
     return ChartLabel(label.text, label.x, y, label.anchor, label.style, pointer, label.full)
 
 
-def overlap(one: ChartLabel, other: ChartLabel) -> bool:
-    """True if the boxes of two labels have a point in common."""
+def overlap(one: ChartLabel | LocationBox, other: ChartLabel | LocationBox) -> bool:
+    """True if the boxes of two texts have a point in common."""
     left, top, right, bottom = one.box
     left_2, top_2, right_2, bottom_2 = other.box
     return left < right_2 and left_2 < right and top < bottom_2 and top_2 < bottom

@@ -8,7 +8,7 @@ from html import escape
 from math import hypot
 
 from tachk.formats.layout.label_text import text_width
-from tachk.report.drawing.sequence.layout import Arrow, ChartLabel, ChartLayout, Cut, LifelineBand
+from tachk.report.drawing.sequence.layout import Arrow, ChartLabel, ChartLayout, Cut, LifelineBand, LocationBox
 
 _ARROW_LENGTH, _ARROW_WIDTH = 10, 4
 _CROSS = 5
@@ -23,7 +23,7 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .name{fill:#8b1a1a;text-anchor:middle}
 .box{fill:#f4f6fa;stroke:#1f3b63}
 .lifeline{stroke:#9aa7b8;stroke-width:1}
-.halo{paint-order:stroke;stroke:#fff;stroke-width:4px;stroke-linejoin:round}
+.halo{paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}
 .time{fill:#555}
 .gap{fill:#777;font-style:italic}
 .note{fill:#5b3a8c;font-style:italic}
@@ -46,7 +46,9 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .cross{stroke:#a4161a;stroke-width:2}
 .pointer{stroke:#bbb;stroke-width:.8}
 .band{fill:#c9bfe0;stroke:#5b3a8c;stroke-width:.6}
-.cut{stroke:#777;stroke-width:1;fill:none}"""
+.cut{stroke:#777;stroke-width:1;fill:none}
+.location{fill:#fff8e6;stroke:#8b1a1a;stroke-width:.8}
+.place{fill:#8b1a1a;text-anchor:middle}"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +100,7 @@ def draw_chart(layout: ChartLayout) -> SequencePicture:
         *(_cut(x, cut) for cut in layout.cuts for x in layout.lifelines),
         *(line for arrow in layout.arrows for line in _arrow(arrow)),
         *(line for label in layout.labels for line in _label(label)),
+        *(line for location in layout.locations for line in _location(location)),
         *(line for x, name in zip(layout.lifelines, layout.chart.lifelines, strict=True) for line in _name(x, name)),
         "</g>",
         f'<g transform="translate(16 {height - _LEGEND + 8})">',
@@ -115,6 +118,14 @@ def _name(x: int, name: str) -> Iterator[str]:
     width = text_width(name) + 16
     yield f'<rect class="box" x="{x - width / 2:g}" y="2" width="{width}" height="{_NAME_HEIGHT}" rx="3"/>'
     yield f'<text class="name" x="{x}" y="17">{escape(name)}</text>'
+
+
+def _location(location: LocationBox) -> Iterator[str]:
+    left, top, right, bottom = location.box
+    size = f'width="{right - left:g}" height="{bottom - top:g}" rx="{(bottom - top) / 2:g}"'
+    full = f"<title>{escape(location.full)}</title>" if location.full else ""
+    yield f'<rect class="location" x="{left:g}" y="{top:.1f}" {size}/>'
+    yield f'<text class="place" x="{location.x}" y="{location.y + 4:.1f}">{full}{escape(location.text)}</text>'
 
 
 def _band(band: LifelineBand) -> str:
