@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
+from tachk.report.drawing.themes import always_light
+
 _FONTS = ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf", "DejaVuSans-Oblique.ttf")
 _ZOOM = 2
 """Pixels for each unit of a picture: sharp on today's screens and on paper."""
@@ -16,7 +18,7 @@ def to_png(svg: str) -> bytes:
 
     return bytes(
         resvg_py.svg_to_bytes(
-            svg_string=svg,
+            svg_string=always_light(svg),
             background="white",
             zoom=_ZOOM,
             font_files=[str(path) for path in _fonts()],

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from math import hypot
 
 from tachk.formats.layout.label_text import LINE_HEIGHT, edge_labels, location_labels, text_height, text_width
 from tachk.formats.layout.placement.geometry import RADIUS
+from tachk.report.drawing.edge_lines import Place, RouteEnds, ends_on_rims, head, path_of
+from tachk.report.drawing.themes import with_dark
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import EdgeKey, EdgeLayout, LabelLayout, NodeLayout, Point, TemplateLayout, keyed_edges
 from tachk.syntax.printing.expression_printer import print_parameters
@@ -16,9 +17,9 @@ from tachk.syntax.printing.expression_printer import print_parameters
 _MARGIN = 24
 _BASELINE = 12
 _BRANCHPOINT_RADIUS = 4
-_ARROW_LENGTH, _ARROW_WIDTH = 11, 4.5
 
 STYLE = """\
+.paper{fill:#fff}
 text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .title{font-size:14px;font-weight:bold}
 .node{fill:#c5d9f1;stroke:#1f3b63}
@@ -40,7 +41,29 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .synchronisation{fill:#008b8b}
 .assignment{fill:#0000cd}
 .probability{fill:#8b4513}"""
-"""A rule in each line."""
+
+DARK_STYLE = """\
+.paper{fill:#15181c}
+text{fill:#e6e9ed}
+.node{fill:#23395d;stroke:#9dbbe8}
+.edge{stroke:#b6bec8}
+.head{fill:#b6bec8}
+.taken{stroke:#5fc47f}
+.taken-head{fill:#5fc47f}
+.never{stroke:#e0914a}
+.never-head{fill:#e0914a}
+.nail{fill:#b6bec8}
+.name{fill:#ff9d8a}
+.invariant{fill:#d79bff}
+.exponentialrate{fill:#ff8ecb}
+.comments{fill:#9aa3ad}
+.mark{fill:#d5e3fa}
+.select{fill:#e3b341}
+.guard{fill:#7fd18b}
+.synchronisation{fill:#5cc9c9}
+.assignment{fill:#8fb0ff}
+.probability{fill:#d9a066}"""
+"""For dark screens; a rule in each line, as in `STYLE`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +96,8 @@ class Picture:
             (
                 f'<svg xmlns="http://www.w3.org/2000/svg" width="{self.width}" height="{self.height}" {self.view}>',
                 f"<title>{escape(self.title)}</title>",
-                f"<style>{STYLE}</style>",
-                f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" fill="#fff"/>',
+                f"<style>{with_dark(STYLE, DARK_STYLE)}</style>",
+                f'<rect x="{self.left}" y="{self.top}" width="{self.width}" height="{self.height}" class="paper"/>',
                 self.content,
                 "</svg>",
                 "",
@@ -97,9 +120,12 @@ def draw_template(
         taken: how often each edge was taken: edges that were are green and thick, others orange and dotted.
     """
     picture = _SvgCanvas()
+    routes = _routes(template, layout)
+    ends = ends_on_rims(routes)
     for key, edge in keyed_edges(template):
-        often = None if taken is None else taken.get(key, 0)
-        _draw_edge(picture, template, layout, edge, layout.edges.get(key, EdgeLayout()), key, often)
+        if key in routes:
+            often = None if taken is None else taken.get(key, 0)
+            _draw_edge(picture, edge, layout.edges.get(key, EdgeLayout()), key, routes[key], ends[key], often)
     for location in template.locations:
         _draw_location(picture, location, layout.nodes.get(location.name.name, NodeLayout()))
     for branchpoint in template.branchpoints:
@@ -189,69 +215,43 @@ def _draw_labels(picture: _SvgCanvas, texts: Mapping[str, str], layout: Mapping[
             picture.text(kind, label.position, text if label.text is None else label.text)
 
 
+def _routes(template: ast.Template, layout: TemplateLayout) -> dict[EdgeKey, RouteEnds]:
+    """The routes of those edges whose ends have a place."""
+    branchpoints = {point.name.name for point in template.branchpoints}
+    routes = {}
+    for key, _ in keyed_edges(template):
+        start, end = (layout.nodes.get(name, NodeLayout()).position for name in (key.source, key.target))
+        if start is not None and end is not None:
+            source, target = (
+                _BRANCHPOINT_RADIUS if name in branchpoints else RADIUS for name in (key.source, key.target)
+            )
+            nails = layout.edges.get(key, EdgeLayout()).nails or (_loop_nails(start) if start == end else ())
+            routes[key] = RouteEnds((start, *nails, end), (source, target))
+    return routes
+
+
 def _draw_edge(
     picture: _SvgCanvas,
-    template: ast.Template,
-    layout: TemplateLayout,
     edge: ast.EdgeDeclaration,
-    edge_layout: EdgeLayout,
+    layout: EdgeLayout,
     key: EdgeKey,
+    route: RouteEnds,
+    ends: tuple[Place, Place],
     often: int | None,
 ) -> None:
-    ends = [layout.nodes.get(name, NodeLayout()).position for name in (key.source, key.target)]
-    start, end = ends
-    if start is None or end is None:
-        return
-    branchpoints = {point.name.name for point in template.branchpoints}
-    radii = [_BRANCHPOINT_RADIUS if name in branchpoints else RADIUS for name in (key.source, key.target)]
-    nails = edge_layout.nails or (_loop_nails(start) if start == end else ())
-    points = [start, *nails, end]
-    for point in points:
+    for point in route.points:
         picture.see(*point)
-    inner = [(float(nail.x), float(nail.y)) for nail in nails]
-    line = [_rim(points[0], points[1], radii[0]), *inner, _rim(points[-1], points[-2], radii[1])]
-    path = " ".join(f"{x:g},{y:g}" for x, y in (*line[:-1], *_neck(line)))
-    colour = f' style="stroke:{escape(edge_layout.colour)}"' if edge_layout.colour else ""
+    path, before = path_of(route, ends)
+    colour = f' style="stroke:{escape(layout.colour)}"' if layout.colour else ""
     kind = "edge" if edge.controllable else "edge uncontrollable"
     covered = "" if often is None else "taken" if often else "never"
     classes = f"{kind} {covered}".rstrip()
-    picture.add(f'<polyline class="{classes}" data-edge="{escape(key.text)}" points="{path}"{colour}/>')
-    head = " ".join(f"{x:g},{y:g}" for x, y in _head(line))
-    picture.add(f'<polygon class="{f"{covered}-head" if covered else "head"}" points="{head}"/>')
-    _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), edge_layout.labels)
+    picture.add(f'<path class="{classes}" data-edge="{escape(key.text)}" d="{path}"{colour}/>')
+    corners = " ".join(f"{x:g},{y:g}" for x, y in head(before, ends[1]))
+    picture.add(f'<polygon class="{f"{covered}-head" if covered else "head"}" points="{corners}"/>')
+    _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), layout.labels)
 
 
 def _loop_nails(centre: Point) -> tuple[Point, ...]:
     """Nails for a self-loop that a file gives none: without them nothing would show."""
     return Point(centre.x - 28, centre.y - 12), Point(centre.x - 28, centre.y + 12)
-
-
-def _rim(centre: Point, towards: Point, radius: float) -> tuple[float, float]:
-    """The point at which the line from the centre of a node leaves it."""
-    distance = hypot(towards.x - centre.x, towards.y - centre.y)
-    if distance == 0:
-        return float(centre.x), float(centre.y)
-    along = radius / distance
-    return round(centre.x + along * (towards.x - centre.x), 1), round(centre.y + along * (towards.y - centre.y), 1)
-
-
-def _neck(line: Sequence[tuple[float, float]]) -> Iterator[tuple[float, float]]:
-    """The end of the line, drawn back so that it does not show beside the point of the arrow head."""
-    (x, y), (dx, dy) = line[-1], _direction(line)
-    yield round(x - dx * _ARROW_LENGTH / 2, 1), round(y - dy * _ARROW_LENGTH / 2, 1)
-
-
-def _head(line: Sequence[tuple[float, float]]) -> Iterator[tuple[float, float]]:
-    (x, y), (dx, dy) = line[-1], _direction(line)
-    yield x, y
-    for side in (1, -1):
-        yield (
-            round(x - dx * _ARROW_LENGTH - side * dy * _ARROW_WIDTH, 1),
-            round(y - dy * _ARROW_LENGTH + side * dx * _ARROW_WIDTH, 1),
-        )
-
-
-def _direction(line: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    (a, b), (x, y) = line[-2:]
-    length = hypot(x - a, y - b) or 1.0
-    return (x - a) / length, (y - b) / length

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+from math import dist
 from xml.etree import ElementTree
 
 from tachk.base.span import Source
 from tachk.formats.layout.placement.template import place_template
+from tachk.report.drawing.png import to_png
 from tachk.report.drawing.svg import Picture, draw_template, together
+from tachk.report.drawing.themes import always_light
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_document
-from tachk.syntax.picture_layout import NodeLayout, Point, TemplateLayout
+from tachk.syntax.picture_layout import EdgeKey, EdgeLayout, NodeLayout, Point, TemplateLayout
 
 SVG = "{http://www.w3.org/2000/svg}"
 MODEL = """
@@ -97,6 +101,28 @@ def test_pictures_one_below_the_other_keep_their_sizes() -> None:
 def test_a_loop_without_nails_shows_beside_its_location() -> None:
     layout = TemplateLayout(nodes={"A": NodeLayout(Point(0, 0))})
     picture = draw_template(template("process P() { init location A { to A; } }"), layout)
-    (line,) = ElementTree.fromstring(picture.svg).iter(f"{SVG}polyline")
-    inner = (line.get("points") or "").split()[1:3]
-    assert inner == ["-28,-12", "-28,12"]
+    (line,) = ElementTree.fromstring(picture.svg).iter(f"{SVG}path")
+    first, second = (part.split(",") for part in (line.get("d") or "").split()[1:3])
+    assert first[0][1:] == second[0] == "-35", "a curve that reaches as far as nails would"
+    assert first[1] == f"-{second[1]}"
+
+
+def test_arrow_heads_at_one_location_do_not_lie_in_each_other() -> None:
+    nails = {EdgeKey("A", "B", number): EdgeLayout((Point(50, 4 * number),)) for number in range(4)}
+    layout = TemplateLayout(nodes={"A": NodeLayout(Point(0, 0)), "B": NodeLayout(Point(100, 0))}, edges=nails)
+    text = f"process P() {{ init location A {{ {'to B; ' * 4} }} location B; }}"
+    picture = draw_template(template(text), layout)
+    heads = [head.get("points") or "" for head in ElementTree.fromstring(picture.svg).iter(f"{SVG}polygon")]
+    tips = [tuple(map(float, head.split()[0].split(","))) for head in heads]
+    assert min(dist(one, other) for one, other in combinations(tips, 2)) > 7
+    assert all(round(dist(tip, (100, 0))) == 12 for tip in tips)
+
+
+def test_an_svg_is_dark_where_the_reader_prefers_it_and_a_png_is_light() -> None:
+    svg = drawn().svg
+    assert "@media (prefers-color-scheme:dark){" in svg
+    assert "prefers-color-scheme" not in always_light(svg)
+    assert {element.tag for element in ElementTree.fromstring(always_light(svg)).iter()} == {
+        element.tag for element in ElementTree.fromstring(svg).iter()
+    }
+    assert to_png(svg) == to_png(always_light(svg))

@@ -37,8 +37,8 @@ _TOGETHER, _NODE, _TEXT = 10_000, 1000, 250
 The distance from a straight line counts as it is."""
 
 _TOUCHED, _MERGED, _TIPS, _CROSSED, _NO_LABEL, _NAIL = 200, 150, 40, 50, 100, 10
-"""The cost of each line between the same nodes that it touches, of one that cannot be told from others at a node, of each
-arrow tip that lies in another, of each crossing, of labels without a place at the line, and of a nail."""
+"""The cost of each line between the same nodes that it touches, of one that merges with others at a node, of each arrow
+tip that lies in another, of each crossing, of labels without a place at the line, and of a nail."""
 
 
 def new_route(room: Room, ends: tuple[Point, Point], routes: Sequence[Route], labels_size: Size) -> Route:

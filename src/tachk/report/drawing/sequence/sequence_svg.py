@@ -9,6 +9,7 @@ from math import hypot
 
 from tachk.formats.layout.label_text import text_width
 from tachk.report.drawing.sequence.layout import Arrow, ChartLabel, ChartLayout, Cut, LifelineBand, LocationBox
+from tachk.report.drawing.themes import with_dark
 
 _ARROW_LENGTH, _ARROW_WIDTH = 10, 4
 _CROSS = 5
@@ -18,6 +19,7 @@ _TITLE = 26
 _BAND = 5
 
 _STYLE = """\
+.paper{fill:#fff}
 text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .title{font-size:14px;font-weight:bold;fill:#222}
 .name{fill:#8b1a1a;text-anchor:middle}
@@ -50,6 +52,36 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .location{fill:#fff8e6;stroke:#8b1a1a;stroke-width:.8}
 .place{fill:#8b1a1a;text-anchor:middle}"""
 
+_DARK_STYLE = """\
+.paper{fill:#15181c}
+.title{fill:#e6e9ed}
+.name{fill:#ff9d8a}
+.box{fill:#1f242a;stroke:#9dbbe8}
+.lifeline{stroke:#5b6470}
+.halo{stroke:#15181c}
+.time{fill:#a2abb6}
+.gap{fill:#8f98a3}
+.note{fill:#c9a8ff}
+.data{fill:#8fb8f0}
+.answer{fill:#7fd18b}
+.heartbeat{fill:#e3b341}
+.other{fill:#c8ced6}
+.lost{fill:#ff8f8f}
+.line{fill:none}
+.line.data,.head.data{stroke:#8fb8f0}
+.line.answer,.head.answer{stroke:#7fd18b}
+.line.heartbeat,.head.heartbeat{stroke:#e3b341}
+.line.other,.head.other{stroke:#a2abb6}
+.line.lost{stroke:#ff8f8f}
+.head.heartbeat{fill:#e3b341}
+.head.other{fill:#a2abb6}
+.cross{stroke:#ff8f8f}
+.pointer{stroke:#5b6470}
+.band{fill:#4a3a66;stroke:#c9a8ff}
+.cut{stroke:#8f98a3}
+.location{fill:#3a2f14;stroke:#e6c25c}
+.place{fill:#ffe2a8}"""
+
 
 @dataclass(frozen=True, slots=True)
 class SequencePicture:
@@ -75,8 +107,8 @@ class SequencePicture:
                 f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-labelledby="title description">',
                 f'<title id="title">{escape(chart.title)}</title>',
                 f'<desc id="description">{escape(chart.description)}</desc>',
-                f"<style>{_STYLE}</style>",
-                f'<rect width="{self.width}" height="{self.height}" fill="#fff"/>',
+                f"<style>{with_dark(_STYLE, _DARK_STYLE)}</style>",
+                f'<rect width="{self.width}" height="{self.height}" class="paper"/>',
                 self.content,
                 "</svg>",
                 "",
@@ -138,7 +170,7 @@ def _cut(x: int, cut: Cut) -> str:
     top, bottom = cut.top, cut.bottom
     middle = (top + bottom) / 2
     points = f"{x},{top:.1f} {x - 5},{middle - 2:.1f} {x + 5},{middle + 2:.1f} {x},{bottom:.1f}"
-    hidden = f'<rect x="{x - 6}" y="{top:.1f}" width="12" height="{bottom - top:.1f}" fill="#fff"/>'
+    hidden = f'<rect x="{x - 6}" y="{top:.1f}" width="12" height="{bottom - top:.1f}" class="paper"/>'
     return f'{hidden}<polyline class="cut" points="{points}"/>'
 
 
