@@ -1,12 +1,37 @@
 "use strict";
 const KINDS = ["locations", "variables", "clocks"];
+const FEW = 4;
 
 // Steps through runs. Without this script the page shows charts and the runs in words.
 async function enliven(root) {
+  const players = [];
   for (const data of root.querySelectorAll("script.run")) {
     const run = await unpacked(data.textContent);
-    if (run.times.length > 1) play(root, data.previousElementSibling, run);
+    if (run.times.length > 1) players.push(play(root, data.previousElementSibling, run));
   }
+  root.addEventListener("keydown", (event) => stepByKey(event, players));
+  for (const link of root.querySelectorAll("a[href$='-line']"))
+    link.addEventListener("click", () => (root.querySelector(`[id="${CSS.escape(decodeURIComponent(link.hash.slice(1)))}"]`).closest("details").open = true));
+}
+
+// The arrow keys step through the run that is on the screen, from anywhere on the page.
+function stepByKey(event, players) {
+  const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+  if (by === undefined || event.altKey || event.ctrlKey || event.metaKey || event.shiftKey) return;
+  if (event.composedPath()[0].matches?.("input, textarea, select, .wide, pre")) return;
+  const focused = players.find(({ player }) => player.contains(event.composedPath()[0]));
+  const nearest = players.map((one) => [far(one.player.parentElement), one]).sort(([one], [other]) => one - other)[0]?.[1];
+  const chosen = focused ?? nearest;
+  if (chosen === undefined) return;
+  event.preventDefault();
+  chosen.step(by);
+}
+
+// How far a part of the page is from the middle of the screen.
+function far(element) {
+  const { top, bottom } = element.getBoundingClientRect();
+  const middle = window.innerHeight / 2;
+  return Math.max(0, top - middle, middle - bottom);
 }
 
 // A run is JSON, compressed, in base64.
@@ -43,18 +68,16 @@ function play(root, player, run) {
   const shown = new Set(Object.values(run.templates));
   const changing = {};
   for (const kind of KINDS) changing[kind] = Object.keys(run[kind]).filter((name) => run[kind][name].length > 1);
+  const pictures = new Map();
   for (const picture of root.querySelectorAll("main > section > .automaton"))
-    if (shown.has(picture.dataset.template)) stage.append(picture.cloneNode(true));
+    if (shown.has(picture.dataset.template)) pictures.set(picture.dataset.template, picture);
+  const movers = Object.keys(run.templates).filter((name) => run.moved.some((edges) => edges.some(([mover]) => mover === name)));
+  const figures = new Map();
   player.append(controls, now, stage, state);
   player.hidden = false;
   slider.addEventListener("input", () => show(Number(slider.value)));
-  player.addEventListener("keydown", (event) => {
-    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (by === undefined || event.target === slider) return;
-    event.preventDefault();
-    show(Number(slider.value) + by);
-  });
   show(last);
+  return { player, step: (by) => show(Number(slider.value) + by) };
 
   function show(at) {
     at = Math.max(0, Math.min(last, at));
@@ -68,18 +91,31 @@ function play(root, player, run) {
     light(at);
   }
 
-  // While nothing moves, the automata that moved last stay; at the start those that move first.
+  // An automaton for each process: of all that move in the run if they are few, else of those that moved last, or at the
+  // start of those that move first.
   function light(at) {
-    for (const old of stage.querySelectorAll(".here, .taken")) old.classList.remove("here", "taken");
     const moving = (edges) => edges.length > 0;
     const edges = run.moved.slice(0, at + 1).findLast(moving) ?? run.moved.find(moving) ?? [];
-    const moved = edges.map(([name]) => run.templates[name]);
-    for (const figure of stage.children) {
-      figure.hidden = !moved.includes(figure.dataset.template);
-      const own = Object.entries(run.templates).filter(([, template]) => template === figure.dataset.template).map(([name]) => name);
-      for (const name of own) mark(figure, "data-location", valueIn(run.locations[name], at), "here");
-      for (const [name, edge] of run.moved[at]) if (own.includes(name)) mark(figure, "data-edge", edge, "taken");
+    const names = movers.length <= FEW ? movers : movers.filter((name) => edges.some(([mover]) => mover === name));
+    stage.replaceChildren(...names.map(figureOf).filter((figure) => figure !== undefined));
+    for (const old of stage.querySelectorAll(".here, .taken")) old.classList.remove("here", "taken");
+    for (const name of names) {
+      const figure = figureOf(name);
+      if (figure === undefined) continue;
+      const place = valueIn(run.locations[name], at);
+      figure.querySelector("figcaption").replaceChildren(make("strong", {}, name), ` in ${place}`);
+      mark(figure, "data-location", place, "here");
+      for (const [mover, edge] of run.moved[at]) if (mover === name) mark(figure, "data-edge", edge, "taken");
     }
+  }
+
+  function figureOf(name) {
+    if (!figures.has(name) && pictures.has(run.templates[name])) {
+      const figure = pictures.get(run.templates[name]).cloneNode(true);
+      figure.prepend(make("figcaption", {}));
+      figures.set(name, figure);
+    }
+    return figures.get(name);
   }
 }
 

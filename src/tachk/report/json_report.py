@@ -23,11 +23,12 @@ from tachk.meaning.run_view import (
 )
 from tachk.model.network import Network
 from tachk.model.run import Due, RunTimeFault, TimedTrace
+from tachk.model.types import ClockType
 from tachk.report.json_text import json_text
 from tachk.report.record import NotChecked, NotRead, RunRecord
 from tachk.report.run_formats import ReportWriter
 from tachk.verify.fault_explanation import diagnostic_of
-from tachk.verify.verdict import Extreme, Extremes, Verdict
+from tachk.verify.verdict import Extreme, Verdict
 
 Json = Mapping[str, "Json"] | Sequence["Json"] | str | int | float | bool | None
 
@@ -85,6 +86,18 @@ def _observer(verdict: Verdict) -> dict[str, object] | None:
     return None if observer is None else {"formula": observer.formula, "moves": verdict.moves}
 
 
+def _values(verdict: Verdict) -> list[dict[str, object]]:
+    return [
+        {
+            "expression": found.expression,
+            "is_time": isinstance(operand.type, ClockType),
+            "lower": found.least,
+            "upper": found.largest,
+        }
+        for operand, found in zip(verdict.query.operands, verdict.extremes, strict=False)
+    ]
+
+
 FORMS: dict[type, Fields | Callable[[Any], object]] = {
     RunRecord: Fields(
         "model constants time_unit=network.time_unit templates results=verdicts not_checked estimates errors=blocking",
@@ -95,15 +108,15 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
     Verdict: Fields(
         "name=query.name title=query.title query=query.text answer expected=query.expectation met exact reason "
         "strategy unexamined assumption notes stats=statistics trace ending=trace.ending loop_start=trace.loop_start "
-        "due=trace.due fault observer values=extremes",
+        "due=trace.due fault observer values",
         observer=_observer,
+        values=_values,
     ),
     Statistics: Fields(
         "states_explored states_stored transitions seconds peak_bytes interchangeable exchanged less_known "
         "asked_of_all local_times"
     ),
     Due: Fields("state=steps time"),
-    Extremes: Fields("expression lower=least upper=largest"),
     Extreme: Fields("value strict trace=run"),
 }
 """The JSON of the parts of a `RunRecord`, but for runs and run-time errors: their names need the network."""

@@ -113,6 +113,7 @@ def run_report_page(request: ReportArguments, seconds: float | None) -> ExitStat
         parts += _read(Path(text), number) if _is_file(text) else [_verified(request, seconds, number)]
     page = Page(request.title or Path(request.inputs[0]).stem, parts, [*_facts(request)])
     write_whole(request.output, page_to_html(page))
+    print(f"written: {request.output}")
     return _status([part.run for part in page.answers])
 
 

@@ -15,6 +15,7 @@ from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tachk.report.drawing.svg import Picture
 from tachk.report.json_report import Json, run_to_json
 from tachk.report.page.content import Answers, Section
+from tachk.report.page.source_text import source_lines
 from tachk.report.pictures import draw_items, file_items
 from tachk.report.record import RunRecord
 from tachk.report.sequence.of_run import chart_of_run
@@ -123,27 +124,29 @@ def answers_part(run: Mapping[str, Any], number: int, run_texts: Mapping[str, st
         number: of the part, from 0, so that names on the page are different.
         run_texts: runs in words by the names of properties; a missing one is described in fewer words.
     """
-    edges, pictures, remark = _automata(run)
+    edges, pictures, items, remark = _of_file(run)
     templates = {process: f"{run['model']}/{template}" for process, template in run["templates"].items()}
     sections = [_section(run, result, number, run_texts, templates, edges) for result in run["results"]]
-    return Answers(run, sections, pictures, remark)
+    source = source_lines(run["model"], items, sections) if pictures else ()
+    return Answers(run, sections, pictures, source, remark)
 
 
-def _automata(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture], str]:
-    """The names of edges by their places, and the pictures in which they have these names; or why there are none."""
+def _of_file(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture], Sequence[ast.Item], str]:
+    """The names of edges by their places, the pictures in which they have these names, and the declarations; or why
+    there are none."""
     path = run["model"]
     if not os.path.exists(path):
-        return {}, (), f"The automata are not drawn, as there is no file {path} here."
+        return {}, (), (), f"The automata are not drawn, as there is no file {path} here."
     try:
         items, layout = file_items(path)
         templates = [item for item in items if isinstance(item, ast.Template)]
         edges = edge_names(templates)
         if not _listed_places(run) <= edges.keys():
-            return {}, (), f"The automata are not drawn, as {path} has changed since."
+            return {}, (), (), f"The automata are not drawn, as {path} has changed since."
         pictures = draw_items(templates, layout, path) if templates else ()
     except (InputError, UsageError):
-        return {}, (), f"The automata are not drawn, as {path} cannot be read any more."
-    return edges, [replace(picture, name=f"{path}/{picture.name}") for picture in pictures], ""
+        return {}, (), (), f"The automata are not drawn, as {path} cannot be read any more."
+    return edges, [replace(picture, name=f"{path}/{picture.name}") for picture in pictures], items, ""
 
 
 def _listed_places(run: Mapping[str, Any]) -> set[str]:
@@ -169,11 +172,11 @@ def _section(
 ) -> Section:
     name = result["name"]
     place = f"{number}-{name}"
-    values = [line for found in result["values"] for line in _value_lines(found)]
+    values = [line for found in result["values"] for line in _value_lines(found, run["time_unit"])]
     if result["trace"] is None:
         return Section(place, result, values, run_texts.get(name, _fault(result)))
     chart = chart_of_run(steps_of_result(run, result)).used()
-    drawn = draw_chart(lay_out(chart)).svg if chart.messages and len(chart.events) <= MOST_EVENTS else ""
+    drawn = draw_chart(lay_out(chart)).svg if chart.lifelines and len(chart.events) <= MOST_EVENTS else ""
     played = playback(result["trace"], run["time_unit"], result["loop_start"], templates, edges)
     return Section(place, result, values, run_texts.get(name, lines_of_run(played)), drawn, played)
 
@@ -186,14 +189,14 @@ def _fault(result: Mapping[str, Any]) -> str:
     return f"{fault['position']}: {fault['message']}\n{fault['text']}{detail}\n{fault['help']}"
 
 
-def _value_lines(found: Mapping[str, Any]) -> list[str]:
-    lines = []
+def _value_lines(found: Mapping[str, Any], time_unit: str) -> Iterator[str]:
+    unit = time_unit if found.get("is_time") else ""
     for end, word, strict, loose in (("lower", "least", ">", "≥"), ("upper", "largest", "<", "≤")):
         extreme = found[end]
         if extreme is None:
             continue
         if extreme["value"] is None:
-            lines.append(f"{found['expression']} has no {word} value")
+            yield f"{found['expression']} has no {word} value"
         else:
-            lines.append(f"{found['expression']} {strict if extreme['strict'] else loose} {extreme['value']}")
-    return lines
+            value = duration(Fraction(extreme["value"]), unit)
+            yield f"{found['expression']} {strict if extreme['strict'] else loose} {value}"

@@ -31,18 +31,33 @@ class Section:
 
 
 @dataclass(frozen=True, slots=True)
+class SourceLine:
+    """A line of the text of a model.
+
+    Attributes:
+        section: about the property that begins in it, if there is one.
+    """
+
+    number: int
+    text: str
+    section: Section | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Answers:
     """The answers about one model.
 
     Attributes:
         run: as docs/schema/verify.schema.json has it.
         pictures: of the templates; the name of each is what the playbacks call it.
-        remark: why there are none.
+        source: the text of the model.
+        remark: why there are none of both.
     """
 
     run: Mapping[str, Any]
     sections: Sequence[Section]
     pictures: Sequence[Picture] = ()
+    source: Sequence[SourceLine] = field(default=(), repr=False)
     remark: str = ""
 
 
@@ -111,6 +126,15 @@ class Page:
     def automata(self) -> Mapping[str, Sequence[Picture]]:
         """The pictures by models, each model once."""
         return {answers.run["model"]: answers.pictures for answers in self.answers if answers.pictures}
+
+    @property
+    def sources(self) -> Sequence[Answers]:
+        """The answers about models whose texts are shown: the first ones about each model."""
+        first: dict[str, Answers] = {}
+        for answers in self.answers:
+            if answers.source:
+                first.setdefault(answers.run["model"], answers)
+        return [*first.values()]
 
     @property
     def results(self) -> list[Mapping[str, Any]]:

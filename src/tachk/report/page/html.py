@@ -14,7 +14,8 @@ from markupsafe import Markup
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.resources import template_text
 from tachk.model.quantity import bytes_, grouped, seconds
-from tachk.report.drawing.svg import STYLE
+from tachk.report.drawing.svg import DARK_STYLE, STYLE
+from tachk.report.drawing.themes import with_dark
 from tachk.report.json_report import Json
 from tachk.report.page.content import Answers, Page, Text
 from tachk.report.statistics.answered import short_answer
@@ -70,8 +71,8 @@ def _rendered(template: str, page: Page) -> str:
 
 def _style() -> str:
     """The styles of the page, with those of the pictures of automata."""
-    rules = (f".automaton {rule}" for rule in STYLE.splitlines())
-    return "\n".join((template_text("report/page.css"), *rules))
+    light, dark = ("\n".join(f".automaton {rule}" for rule in rules.splitlines()) for rules in (STYLE, DARK_STYLE))
+    return "\n".join((with_dark(light, dark), template_text("report/page.css")))
 
 
 def _markdown(text: str) -> Markup:

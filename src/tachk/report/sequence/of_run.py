@@ -40,6 +40,9 @@ _CATEGORIES = {
 }
 _ASLEEP = re.compile("asleep|deaf|sleeping", re.IGNORECASE)
 _LONGEST_BLOCK = 24
+_ORDERS = 3
+"""Of moments in a step: its message, the locations that it enters, and the note that it is repeated."""
+
 _SAVED = 6
 """A repetition is drawn once if that leaves out so many steps."""
 
@@ -59,7 +62,7 @@ def chart_of_run(run: RunSteps) -> Chart:
         for begin, steps, times in repeats
         if any(making.events.get(number) for number in range(begin, begin + steps))
     ]
-    end = Moment(run.end * factor, len(run.steps) + 1)
+    end = Moment(run.end * factor, _ORDERS * len(run.steps))
     events.sort(key=begun)
     events += making.ending(events, end)
     events.append(Note(None, Moment(end.time, end.order + 1), run.remark))
@@ -153,7 +156,7 @@ class _Making:
         return names[0] if names else index
 
     def _moment(self, number: int) -> Moment:
-        return Moment(self._run.steps[number].time * self._factor, number)
+        return Moment(self._run.steps[number].time * self._factor, _ORDERS * number)
 
     def _into(self, number: int, step: RunStep, link: str, kind: str) -> None:
         if step.sender not in self._lifeline:
@@ -195,13 +198,15 @@ class _Making:
             self.events.setdefault(number, []).append(made)
 
     def _enter(self, number: int, step: RunStep) -> None:
-        """The locations that matter among those that a step enters."""
+        """The locations that matter among those that a step enters, below its message."""
+        moment = self._moment(number)
+        below = moment._replace(order=moment.order + 1)
         for process, place in step.locations.items():
             is_shown = self._draws_moves or (
                 process in self._named and (not step.channel or place in self._named[process])
             )
             if process in self._lifeline and is_shown:
-                entered = Condition(self._lifeline[process], self._moment(number), place)
+                entered = Condition(self._lifeline[process], below, place)
                 self.events.setdefault(number, []).append(entered)
 
     def beginning(self) -> Iterator[Condition]:
@@ -307,4 +312,4 @@ def _repetition(run: RunSteps, begin: int, block: int, times: int, factor: Fract
     if last.time > first.time:
         period = (last.time - first.time) / (times - 1)
         text += f", every {duration(period, run.unit)}, until {duration(last.time, run.unit)}"
-    return Note(None, Moment(first.time * factor, begin + block), text)
+    return Note(None, Moment(first.time * factor, _ORDERS * (begin + block) - 1), text)

@@ -292,7 +292,7 @@ def test_a_recording_is_not_read_as_a_model(tmp_path: Path, name: str) -> None:
 def seen(folder: Path, name: str) -> str:
     """What a browser makes of a file."""
     command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
-    command += ["--virtual-time-budget=10000"]  # until the script has unpacked the runs
+    command += ["--virtual-time-budget=10000", "--allow-file-access-from-files"]  # until the runs are unpacked
     address = (folder / name).as_uri()
     return subprocess.run([*command, "--dump-dom", address], capture_output=True, text=True, check=True).stdout
 
@@ -306,6 +306,68 @@ def test_in_a_browser(tmp_path: Path, bridge: str) -> None:
     assert re.search(r'class="node here" data-location="Right"', shown)
     assert re.search(r'class="edge taken" data-edge="Left Right 0"', shown)
     assert not re.search(r'class="node here" data-location="Left"', shown)
+
+
+def test_the_text_of_the_model_is_on_the_page_with_its_properties_marked(tmp_path: Path, bridge: str) -> None:
+    text = page(tmp_path, bridge)
+    assert '<span class="line"><i>3</i>    state Left, Right;</span>' in text
+    assert re.search(r'<span class="line holds" id="0-seen-line"><i>9</i>.*<a href="#0-seen">✓ holds</a></span>', text)
+    assert re.search(r'<span class="line fails" id="0-never-line"><i>10</i>', text)
+    assert '<a href="#0-seen-line">' in text
+
+
+def test_the_text_of_a_model_with_several_results_is_there_once(tmp_path: Path, bridge: str) -> None:
+    results = [output_of(tmp_path / f"{name}.json", "verify", bridge, "--property", name) for name in ("seen", "never")]
+    text = page(tmp_path, *results)
+    assert text.count('<details class="source">') == 1
+    checked = Checked(text)
+    assert {f"#{name}" for name in checked.ids} >= {each for each in checked.addresses if each.startswith("#")}
+
+
+def test_values_of_clocks_have_their_unit(tmp_path: Path) -> None:
+    path = tmp_path / "waits.ta"
+    path.write_text(
+        "time_unit = 1 ms; clock x; int[0, 7] n = 7; process P() { init location A { invariant x <= 5; } } system P;"
+        " property longest : sup: x, n;",
+        encoding="utf-8",
+    )
+    for source in (str(path), output_of(tmp_path / "waits.json", "verify", str(path))):
+        text = page(tmp_path, source)
+        assert "x ≤ 5 ms; n ≤ 7" in text
+
+
+def test_what_was_written_is_printed(tmp_path: Path, bridge: str) -> None:
+    output = tmp_path / "report.html"
+    assert CliRunner().invoke(app, ["report", bridge, "-o", str(output)]).stdout == f"written: {output}\n"
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")
+def test_arrow_keys_step_from_anywhere_and_instances_have_titles(tmp_path: Path) -> None:
+    """In one browser: the key is pressed on the page, not on the player; and no table is wider than a telephone."""
+    text = page(tmp_path, FISCHER, "-D", "N=2", "-D", "WAIT=9", "--property", "mutual_exclusion")
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
+    (tmp_path / "outer.html").write_text(
+        """<iframe src="page.html" style="width:360px;height:600px"></iframe><p id="told"></p><script>
+        const frame = document.querySelector("iframe");
+        const inner = () => frame.contentDocument;
+        const poll = setInterval(() => {
+          if (!inner().querySelector(".now")) return;
+          clearInterval(poll);
+          inner().body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, composed: true }));
+          const titles = [...inner().querySelectorAll(".stage figcaption")].map((one) => one.textContent).join(", ");
+          const wide = [...inner().querySelectorAll("table")].filter((one) => one.getBoundingClientRect().right > 360);
+          const now = inner().querySelector(".now").textContent;
+          document.getElementById("told").textContent = `${now} | ${titles} | ${wide.length} wide`;
+        }, 50);
+        </script>""",
+        encoding="utf-8",
+    )
+    told = re.search(r'id="told">(.*?)</p>', seen(tmp_path, "outer.html"))
+    assert told is not None
+    now, titles, wide = told[1].split(" | ")
+    assert now.startswith("5 of 6")
+    assert titles == "P(1) in waiting, P(2) in critical"
+    assert wide == "0 wide"
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="there is no chromium")

@@ -60,7 +60,7 @@ _BOXED = 8
 
 _BOX_HEIGHT, _BOX_PADDING = 18, 7
 
-_TOGETHER, _BOXES_TOGETHER = 7, 22
+_TOGETHER, _BOXES_TOGETHER = 16, 24
 """To scale: from one event down to the next one at the same time, and where one of them is a box."""
 
 _BREAK = 30
