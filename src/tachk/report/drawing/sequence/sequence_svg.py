@@ -121,8 +121,8 @@ class SequencePicture:
 
 def draw_chart(layout: ChartLayout) -> SequencePicture:
     """The picture of a chart."""
-    height = _TITLE + layout.height + _LEGEND
     legend = list(_legend(layout))
+    height = _TITLE + layout.height + (_LEGEND if legend else 0)
     width = max(layout.width, text_width(layout.chart.title) * 4 // 3 + 40, _legend_width(layout))
     content = [
         f'<text class="title" x="16" y="20">{escape(layout.chart.title)}</text>',
