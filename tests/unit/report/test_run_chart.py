@@ -12,7 +12,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.commands.chart import write_chart
 from tachk.cli.main import app
-from tachk.report.drawing.sequence.chart import Chart, Condition, Note
+from tachk.report.drawing.sequence.chart import Chart, EnteredLocation, Note
 from tachk.report.drawing.sequence.layout import TimeAxis
 from tachk.report.json_report import runs_to_json
 from tachk.report.sequence.named_processes import named_members
@@ -131,7 +131,7 @@ def test_reports_without_a_run(tmp_path: Path, sleeper: Path):
 
 def locations(chart: Chart) -> list[tuple[str, str]]:
     """The locations in a chart, each with the process that enters it."""
-    return [(chart.lifelines[one.lifeline], one.text) for one in chart.events if isinstance(one, Condition)]
+    return [(chart.lifelines[one.lifeline], one.text) for one in chart.events if isinstance(one, EnteredLocation)]
 
 
 @pytest.mark.parametrize(

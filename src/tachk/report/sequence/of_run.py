@@ -19,7 +19,7 @@ from tachk.model.quantity import duration, ranges
 from tachk.report.drawing.sequence.chart import (
     Category,
     Chart,
-    Condition,
+    EnteredLocation,
     Event,
     Message,
     Moment,
@@ -206,16 +206,16 @@ class _Making:
                 process in self._named and (not step.channel or place in self._named[process])
             )
             if process in self._lifeline and is_shown:
-                entered = Condition(self._lifeline[process], below, place)
+                entered = EnteredLocation(self._lifeline[process], below, place)
                 self.events.setdefault(number, []).append(entered)
 
-    def beginning(self) -> Iterator[Condition]:
+    def beginning(self) -> Iterator[EnteredLocation]:
         """The first locations of the processes that the property names, or of all where no process sends."""
         for process, lifeline in self._lifeline.items():
             if self._draws_moves or process in self._named:
-                yield Condition(lifeline, Moment(Fraction(0), -1), self._run.initial[process])
+                yield EnteredLocation(lifeline, Moment(Fraction(0), -1), self._run.initial[process])
 
-    def ending(self, events: Sequence[Event], end: Moment) -> Iterator[Condition]:
+    def ending(self, events: Sequence[Event], end: Moment) -> Iterator[EnteredLocation]:
         """The last locations of processes that have been in several, unless they are the last to stand there.
 
         Args:
@@ -227,8 +227,8 @@ class _Making:
             initial, final = self._run.initial[process], (places or [""])[-1]
             if (process in self._named and places) or any(place != initial for place in places):
                 before = last.get(lifeline)
-                if not (isinstance(before, Condition) and before.text == final):
-                    yield Condition(lifeline, end, final)
+                if not (isinstance(before, EnteredLocation) and before.text == final):
+                    yield EnteredLocation(lifeline, end, final)
 
     def phases(self, end: Moment) -> Iterator[Phase]:
         """The phases in which processes are in locations whose names mean sleep."""

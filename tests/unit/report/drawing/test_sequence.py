@@ -10,7 +10,17 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tachk.report.drawing.sequence.chart import Category, Chart, Condition, Event, Message, Moment, Note, Phase, begun
+from tachk.report.drawing.sequence.chart import (
+    Category,
+    Chart,
+    EnteredLocation,
+    Event,
+    Message,
+    Moment,
+    Note,
+    Phase,
+    begun,
+)
 from tachk.report.drawing.sequence.layout import ChartLabel, ChartLayout, TimeAxis, lay_out, overlap
 from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tests.support.seeds import seeds
@@ -32,7 +42,7 @@ def random_chart(seed: int, events: int = 40) -> Chart:
             made.append(Note(random.choice([None, *range(count)]), moment, "something <happens> & ends"))
             continue
         if random.random() < 0.2:
-            made.append(Condition(random.randrange(count), moment, random.choice(("Idle", "WaitingForAnAnswer"))))
+            made.append(EnteredLocation(random.randrange(count), moment, random.choice(("Idle", "WaitingForAnAnswer"))))
             continue
         sender, receiver = random.sample(range(count), 2)
         late = [Moment(time + random.choice((0, Fraction(1, 3), 30)), 10 * number + n) for n in range(1, 3)]
@@ -103,7 +113,7 @@ def test_to_scale_equal_times_are_equal_lengths_and_long_silences_are_left_out()
 
 
 def test_to_scale_what_happens_at_one_time_stands_one_below_the_other():
-    entered = Condition(1, Moment(Fraction(3), 4), "Done")
+    entered = EnteredLocation(1, Moment(Fraction(3), 4), "Done")
     chart = replace(chart_of(message(3, 3, 0), message(3, 3, 2), message(9, 9, 6)), unit="ms")
     events = tuple(sorted((*chart.events, entered), key=begun))
     layout = lay_out(replace(chart, events=events), TimeAxis.SCALE)

@@ -68,16 +68,15 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
-    """The location in which a process is from a moment on: a condition in the words of message sequence charts (ITU-T
-    Z.120)."""
+class EnteredLocation:
+    """The location in which a process is from a moment on: a condition of message sequence charts (ITU-T Z.120)."""
 
     lifeline: int
     moment: Moment
     text: str
 
 
-Event = Message | Note | Condition
+Event = Message | Note | EnteredLocation
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,17 @@ from math import log10
 from statistics import median
 
 from tachk.formats.layout.label_text import text_width
-from tachk.report.drawing.sequence.chart import Chart, Condition, Event, Message, Moment, Note, Phase, begun, moments
+from tachk.report.drawing.sequence.chart import (
+    Chart,
+    EnteredLocation,
+    Event,
+    Message,
+    Moment,
+    Note,
+    Phase,
+    begun,
+    moments,
+)
 
 LINE = 17
 """From one label to the next one below it."""
@@ -194,7 +204,7 @@ def lay_out(chart: Chart, axis: TimeAxis = TimeAxis.COMPRESSED) -> ChartLayout:
     xs = _columns(chart)
     rows = _ChartRows(chart, axis)
     arrows = tuple(_arrow(message, rows, xs) for message in chart.messages)
-    locations = tuple(_location(event, rows, xs) for event in chart.events if isinstance(event, Condition))
+    locations = tuple(_location(event, rows, xs) for event in chart.events if isinstance(event, EnteredLocation))
     labels = _without_overlap([*_labels(chart, rows, xs), *rows.times(), *rows.cut_texts()], locations)
     bands = tuple(
         LifelineBand(
@@ -223,7 +233,7 @@ def _columns(chart: Chart) -> tuple[int, ...]:
     lanes = [float(_NARROWEST)] * max(count - 1, 0)
     widths = [text_width(name) + 24 for name in chart.lifelines]
     for event in chart.events:
-        if isinstance(event, Condition):
+        if isinstance(event, EnteredLocation):
             widths[event.lifeline] = max(widths[event.lifeline], _box_width(_shown(event)))
     for lane in range(count - 1):
         lanes[lane] = max(lanes[lane], (widths[lane] + widths[lane + 1]) / 2 + 16)
@@ -248,7 +258,7 @@ def _times_width(chart: Chart) -> int:
 
 def _lane(event: Event) -> int | None:
     """Between which lifelines the label of an event stands: those with this number and the next."""
-    if isinstance(event, Condition):
+    if isinstance(event, EnteredLocation):
         return None
     if isinstance(event, Note):
         return event.lifeline
@@ -314,7 +324,7 @@ class _ChartRows:
         quiet = max(_QUIET * usual, sum(gaps, Fraction(0)) / _PARTS)
         below = {message.sent: _CROSSED for message in self._chart.messages if message.is_lost}
         below |= {event.moment: _NOTED for event in self._chart.events if isinstance(event, Note)}
-        below |= {event.moment: _BOXED for event in self._chart.events if isinstance(event, Condition)}
+        below |= {event.moment: _BOXED for event in self._chart.events if isinstance(event, EnteredLocation)}
         y = float(HEADER)
         last: Moment | None = None
         for moment in self._moments:
@@ -344,7 +354,7 @@ class _ChartRows:
         scale = wanted / float(shown) if shown else 1.0
         boxes: dict[Moment, list[int]] = {}
         for event in self._chart.events:
-            if isinstance(event, Condition):
+            if isinstance(event, EnteredLocation):
                 boxes.setdefault(event.moment, []).append(event.lifeline)
         free: dict[int, float] = {}
         begins = {begun(event) for event in self._chart.events}
@@ -418,7 +428,7 @@ def _arrow(message: Message, rows: _ChartRows, xs: Sequence[int]) -> Arrow:
     return Arrow(message, x, y, ends, copies)
 
 
-def _location(event: Condition, rows: _ChartRows, xs: Sequence[int]) -> LocationBox:
+def _location(event: EnteredLocation, rows: _ChartRows, xs: Sequence[int]) -> LocationBox:
     text = _shown(event)
     return LocationBox(text, xs[event.lifeline], rows.at(event.moment), "" if text == event.text else event.text)
 
@@ -426,7 +436,7 @@ def _location(event: Condition, rows: _ChartRows, xs: Sequence[int]) -> Location
 def _labels(chart: Chart, rows: _ChartRows, xs: Sequence[int]) -> Iterator[ChartLabel]:
     left = _times_width(chart)
     for event in chart.events:
-        if isinstance(event, Condition):
+        if isinstance(event, EnteredLocation):
             continue
         y = rows.at(begun(event))
         text = _shown(event)
