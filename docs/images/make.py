@@ -1,6 +1,7 @@
 """Makes the pictures of the README, each for light and for dark screens: `python docs/images/make.py`.
 
-A test checks that the drawn ones are up to date. The report is photographed by Chromium, where that is installed.
+They show the model `gate.ta` that stands in the README. A test checks that the drawn ones are up to date. The report is
+photographed by Chromium, where that is installed.
 """
 
 from __future__ import annotations
@@ -20,11 +21,10 @@ from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_result
 
 FOLDER = Path(__file__).resolve().parent
-MODEL = FOLDER.parents[1] / "models" / "classics" / "fischer.ta"
-CONSTANTS = {"WAIT": 9, "N": 2}
-"""With these two processes meet in their critical sections."""
+README = FOLDER.parents[1] / "README.md"
+MODEL = "gate.ta"
 
-WIDTH, HEIGHT = 900, 1010
+WIDTH, HEIGHT = 900, 1040
 """Of the picture of a report, in pixels."""
 
 _DARK = re.compile(r"\n@media \(prefers-color-scheme:dark\)\{\n((?:[^}\n]*\}\n)*)\}")
@@ -39,14 +39,20 @@ def themes(svg: str) -> dict[str, str]:
     }
 
 
+def model_text() -> str:
+    """The model in the README."""
+    block = re.search(rf"```ta {MODEL}\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    assert block is not None
+    return block[1]
+
+
 def automaton() -> str:
-    return tachk.draw(MODEL, "P").svg
+    return tachk.draw(tachk.loads(model_text()), "Barrier").svg
 
 
 def chart() -> str:
-    """The run in which two processes are in their critical sections."""
-    record = tachk.load(MODEL, **CONSTANTS).verify(property="mutual_exclusion").record
-    run = run_to_json(record)
+    """The run in which a train crosses while the barrier closes."""
+    run = run_to_json(tachk.loads(model_text()).verify().record)
     return draw_chart(lay_out(chart_of_run(steps_of_result(run, run["results"][0])))).svg
 
 
@@ -54,7 +60,7 @@ def drawn() -> dict[str, str]:
     """The texts of the SVG files by their names."""
     return {
         f"{name}_{theme}.svg": text
-        for name, svg in (("fischer_automaton", automaton()), ("fischer_run", chart()))
+        for name, svg in (("gate_automaton", automaton()), ("gate_run", chart()))
         for theme, text in themes(svg).items()
     }
 
@@ -62,16 +68,17 @@ def drawn() -> dict[str, str]:
 def photograph(chromium: str) -> None:
     """Writes pictures of the report about the model."""
     with TemporaryDirectory() as folder:
-        page = Path(folder, "fischer.html")
-        constants = [part for name, value in CONSTANTS.items() for part in ("-D", f"{name}={value}")]
-        command = [sys.executable, "-m", "tachk", "report", MODEL.name, *constants, "-o", str(page)]
-        subprocess.run(command, cwd=MODEL.parent, stdout=subprocess.DEVNULL, check=False)
+        Path(folder, MODEL).write_text(model_text(), encoding="utf-8")
+        command = [sys.executable, "-m", "tachk", "report", MODEL, "-o", "gate.html"]
+        subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)
         for theme, scheme in (("light", 1), ("dark", 0)):
             options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
             options += [f"--user-data-dir={folder}/profile", "--virtual-time-budget=8000"]
             options += [f"--window-size={WIDTH},{HEIGHT}", f"--blink-settings=preferredColorScheme={scheme}"]
-            target = f"--screenshot={FOLDER / f'report_{theme}.png'}"
-            subprocess.run([chromium, *options, target, page.as_uri()], capture_output=True, check=True)
+            target = f"--screenshot={FOLDER / f'gate_report_{theme}.png'}"
+            subprocess.run(
+                [chromium, *options, target, Path(folder, "gate.html").as_uri()], capture_output=True, check=True
+            )
 
 
 def main() -> None:
