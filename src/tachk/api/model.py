@@ -260,6 +260,7 @@ class Model(Estimable):
 
     @property
     def warnings(self) -> tuple[Diagnostic, ...]:
+        """The warnings of `tachk check` about the text."""
         return self.loaded.warnings
 
     @property

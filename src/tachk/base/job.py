@@ -84,12 +84,14 @@ class _Interruption:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Attributes:
-    ends: the moment of `time.monotonic` at which its time is over; None: never.
-    ceiling: the limit on the size of the process, if there is one.
-    progress: follows its searches.
-    about: the names of the queries that it answers.
-    interruption: shared by the jobs in which an interruption of one ends all.
+    """What is under way, and what it may take.
+
+    Attributes:
+        ends: the moment of `time.monotonic` at which its time is over; None: never.
+        ceiling: the limit on the size of the process, if there is one.
+        progress: follows its searches.
+        about: the names of the queries that it answers.
+        interruption: shared by the jobs in which an interruption of one ends all.
     """
 
     ends: float | None = None

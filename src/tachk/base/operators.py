@@ -52,6 +52,8 @@ class OperandError(ArithmeticError):
 
 
 class UnaryOperator(StrEnum):
+    """An operator with one operand."""
+
     MINUS = "-"
     NOT = "!"
 

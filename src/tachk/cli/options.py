@@ -42,7 +42,7 @@ class SectionedCommand(click.Command):
 
     def __init__(self, *args: Any, sections: Mapping[str, Iterable[str]], **others: Any) -> None:
         super().__init__(*args, **others)
-        self._sections = sections
+        self.sections = sections
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         records = {
@@ -50,9 +50,9 @@ class SectionedCommand(click.Command):
             for each in self.get_params(ctx)
             if not isinstance(each, click.Argument) and (record := each.get_help_record(ctx)) is not None
         }
-        placed = {name for names in self._sections.values() for name in names}
+        placed = {name for names in self.sections.values() for name in names}
         first = [name for name in records if name not in placed]
-        for heading, names in {"Options": first, **self._sections}.items():
+        for heading, names in {"Options": first, **self.sections}.items():
             with formatter.section(heading):
                 formatter.write_dl([records[name] for name in names])
 

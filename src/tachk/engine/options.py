@@ -33,6 +33,8 @@ class Pace(StrEnum):
 
 
 class SearchOrder(StrEnum):
+    """The order in which states are explored; without a limit it changes no verdict."""
+
     AUTO = "auto"
     """Breadth first; by progress from the moment on when most states that were explored turn out to be covered by
     later ones."""
@@ -49,6 +51,8 @@ class SearchOrder(StrEnum):
 
 
 class Extrapolation(StrEnum):
+    """How zones are made larger, so that there are finitely many; none of the ways changes a verdict."""
+
     LU = "lu"
     """Extra+LU of Behrmann, Bouyer, Larsen, Pelánek 2006 (LU+). A deadlock found
     with it is tried exactly, and MAX searches again where it proves not to be one."""
@@ -161,10 +165,12 @@ class Options:
 
     @property
     def cone(self) -> bool:
+        """Whether processes that cannot influence an answer are frozen."""
         return "cone" not in self.without
 
     @property
     def symmetry(self) -> bool:
+        """Whether one state is explored for all that differ only in which interchangeable process is which."""
         return "symmetry" not in self.without
 
     def off(self, *names: str) -> Options:

@@ -32,6 +32,7 @@ def bound_value(raw: int) -> int:
 
 
 def is_strict(raw: int) -> bool:
+    """Whether an encoded bound is strict: ``<``, not ``<=``."""
     return not raw & 1
 
 

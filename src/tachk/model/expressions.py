@@ -66,6 +66,8 @@ class Variable:
 
 
 class QuantifierKind(StrEnum):
+    """What is done with the values of the body."""
+
     FORALL = "forall"
     EXISTS = "exists"
     SUM = "sum"

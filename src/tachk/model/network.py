@@ -21,15 +21,17 @@ Chance = Expression | Diagnostic
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Attributes:
-    invariant: boolean expression or None; a conjunction of clock constraints, integer conditions and disjunctions in
-        which at most one side has clocks.
-    rates: pairs (clock, rate): while control is here the clock runs with that rate, an integer expression that is
-        0 (stopped) or 1.
-    exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
-    hybrid_rates: pairs (hybrid clock, floating point expression): how fast it changes while control is here.
-    observes: the process is no part of what the network describes: committed locations of others do not keep it from
-        acting, and where it is committed itself it alone acts.
+    """A location of a process.
+
+    Attributes:
+        invariant: boolean expression or None; a conjunction of clock constraints, integer conditions and disjunctions
+            in which at most one side has clocks.
+        rates: pairs (clock, rate): while control is here the clock runs with that rate, an integer expression that is
+            0 (stopped) or 1.
+        exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
+        hybrid_rates: pairs (hybrid clock, floating point expression): how fast it changes while control is here.
+        observes: the process is no part of what the network describes: committed locations of others do not keep it
+            from acting, and where it is committed itself it alone acts.
     """
 
     name: str
@@ -79,12 +81,14 @@ class Branching:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Attributes:
-    source, target: location numbers in the process.
-    selects: bound variables; the edge stands for one edge for each combination of their values.
-    guard: boolean expression or None (true).
-    updates: executed left to right.
-    spans: the places of the pieces of text this edge comes from (an edge through a branchpoint has two).
+    """An edge from one location of a process to another.
+
+    Attributes:
+        source, target: location numbers in the process.
+        selects: bound variables; the edge stands for one edge for each combination of their values.
+        guard: boolean expression or None (true).
+        updates: executed left to right.
+        spans: the places of the pieces of text this edge comes from (an edge through a branchpoint has two).
     """
 
     source: int
@@ -141,13 +145,15 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Attributes:
-    variables: the global variables, clocks and channels, in declaration order.
-    default_priority: the priority of internal edges and of channels without one of their own.
-    constants: the global integer constants with their values, for reports.
-    time_unit: what one time unit means, for output only: ``"1 ms"``.
-    hidden: templates and processes that printed runs leave out, for output only.
-    lasting: the variables declared `meta` that states hold nevertheless, see `tachk.model.metas`.
+    """A network of timed automata, instantiated: processes with the variables, clocks and channels that they share.
+
+    Attributes:
+        variables: the global variables, clocks and channels, in declaration order.
+        default_priority: the priority of internal edges and of channels without one of their own.
+        constants: the global integer constants with their values, for reports.
+        time_unit: what one time unit means, for output only: ``"1 ms"``.
+        hidden: templates and processes that printed runs leave out, for output only.
+        lasting: the variables declared `meta` that states hold nevertheless, see `tachk.model.metas`.
     """
 
     processes: tuple[Process, ...]
@@ -180,6 +186,7 @@ class Network:
 
     @property
     def has_hybrid_clocks(self) -> bool:
+        """Whether some clock is ``hybrid``: only simulation gives it its rates."""
         return any(variable.has_hybrid_clocks for variable in self.all_variables())
 
     def all_variables(self) -> tuple[Variable, ...]:

@@ -52,18 +52,20 @@ class QueryDeadline:
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """Attributes:
-    name: as given by a property line, else ``q1``, ``q2``, ... in order.
-    kind: the operator.
-    predicate: the state predicate; for LEADS_TO the left side, for SUPREMUM and the like the restriction or None.
-    operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
-    text: the formula as the user wrote it.
-    conditional: the expectation depends on constants, so that it is about other values of them, too.
-    deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
-    observer: what has to be added to the network for this query alone; the predicate names its location.
-    non_zeno: a run with infinitely many transitions counts only if time diverges in it.
-    again: predicates without clocks; only runs count that meet each of them again and again, or end.
-    ends: one that is true where such a run ends; None: it may end anywhere.
+    """A question about the runs of a network.
+
+    Attributes:
+        name: as given by a property line, else ``q1``, ``q2``, ... in order.
+        kind: the operator.
+        predicate: the state predicate; for LEADS_TO the left side, for SUPREMUM and the like the restriction or None.
+        operands: LEADS_TO: the right side; SUPREMUM and the like: the expressions. Empty otherwise.
+        text: the formula as the user wrote it.
+        conditional: the expectation depends on constants, so that it is about other values of them, too.
+        deadline: of EVENTUALLY and LEADS_TO: since the start, since the left side.
+        observer: what has to be added to the network for this query alone; the predicate names its location.
+        non_zeno: a run with infinitely many transitions counts only if time diverges in it.
+        again: predicates without clocks; only runs count that meet each of them again and again, or end.
+        ends: one that is true where such a run ends; None: it may end anywhere.
     """
 
     name: str

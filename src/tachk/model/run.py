@@ -12,10 +12,12 @@ from tachk.model.fault import RuntimeErrorKind
 
 @dataclass(frozen=True, slots=True)
 class Participant:
-    """Attributes:
-    process: process number.
-    edge: number of the edge in the process.
-    selects: the values of the edge's select variables.
+    """A process that takes part in a transition, and how.
+
+    Attributes:
+        process: process number.
+        edge: number of the edge in the process.
+        selects: the values of the edge's select variables.
     """
 
     process: int

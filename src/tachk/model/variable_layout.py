@@ -29,16 +29,18 @@ from tachk.model.types import (
 
 @dataclass(frozen=True, slots=True)
 class VariableLayout:
-    """Attributes:
-    first: the number of a variable's first slot.
-    names: one for each slot: ``x``, ``P.a[2].b``.
-    types: the leaf type of each slot.
-    ranges: smallest and largest value of each slot; a clock or channel is pinned to its number.
-    initial: the content of each slot in the initial state.
-    meta: whether the slot belongs to a meta variable.
-    clock_slots: the slot of each clock; entry i belongs to clock number i + 1.
-    channel_slots: the slot of each channel; entry i belongs to channel number i.
-    starts: what each clock shows at first; entry i belongs to clock number i + 1.
+    """The numbers of the slots in which a network keeps its values.
+
+    Attributes:
+        first: the number of a variable's first slot.
+        names: one for each slot: ``x``, ``P.a[2].b``.
+        types: the leaf type of each slot.
+        ranges: smallest and largest value of each slot; a clock or channel is pinned to its number.
+        initial: the content of each slot in the initial state.
+        meta: whether the slot belongs to a meta variable.
+        clock_slots: the slot of each clock; entry i belongs to clock number i + 1.
+        channel_slots: the slot of each channel; entry i belongs to channel number i.
+        starts: what each clock shows at first; entry i belongs to clock number i + 1.
     """
 
     first: Mapping[Variable, int]

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 
 class Answer(StrEnum):
+    """What a search says about a query. It is not a bool: UNKNOWN is neither."""
+
     HOLDS = "holds"
     FAILS = "fails"
     UNKNOWN = "unknown"
@@ -63,21 +65,23 @@ class Extremes:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Attributes:
-    exact: the answer is proved; False only together with UNKNOWN, where an over-approximation was not conclusive.
-    reason: why the answer is UNKNOWN, else empty.
-    trace: a replayed run that shows E<> true or A[] false; None where no run can.
-    fault: the run-time error of the model that ended the search, if one did.
-    unsupported: why this query cannot be checked at all.
-    unexamined: the processes that were frozen or left out, and the variables whose updates were, because the
-        answer does not depend on them, where they can meet run-time errors: these were not looked for.
-    assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
-    extremes: for ``sup``, ``inf`` and ``bounds`` one entry for each expression; empty where no state satisfies the
-        restriction.
-    notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
-    moves: what the observer of a temporal property did along the trace, which is that of the model alone.
-    path: the transitions of the run with those of the observer, where there is a trace.
-    strategy: the name of the one that decided it (`tachk.verify.strategies`); empty where none did, as for UNKNOWN.
+    """The answer to one query, with what shows it.
+
+    Attributes:
+        exact: the answer is proved; False only together with UNKNOWN, where an over-approximation was not conclusive.
+        reason: why the answer is UNKNOWN, else empty.
+        trace: a replayed run that shows E<> true or A[] false; None where no run can.
+        fault: the run-time error of the model that ended the search, if one did.
+        unsupported: why this query cannot be checked at all.
+        unexamined: the processes that were frozen or left out, and the variables whose updates were, because the
+            answer does not depend on them, where they can meet run-time errors: these were not looked for.
+        assumption: how the model was read where it does not say what it means and the answer depends on it; else empty.
+        extremes: for ``sup``, ``inf`` and ``bounds`` one entry for each expression; empty where no state satisfies the
+            restriction.
+        notes: what the user should know beside the answer: that it holds for no reason of interest, for example.
+        moves: what the observer of a temporal property did along the trace, which is that of the model alone.
+        path: the transitions of the run with those of the observer, where there is a trace.
+        strategy: the name of the one that decided it (`tachk.verify.strategies`); empty where none did, as for UNKNOWN.
     """
 
     query: Query

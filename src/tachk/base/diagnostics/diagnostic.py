@@ -30,7 +30,7 @@ class Diagnostic:
     """One finding about one place of the input.
 
     Attributes:
-        code: stable identifier, ``E0214`` or ``W0103``; a key of `explanation.all_explanations()`.
+        code: stable identifier, ``E0201`` or ``W0103``; a key of `explanation.all_explanations()`.
         message: one sentence, lower case, without a full stop; must make sense on its own.
         span: the primary place.
         help: how to mend it, or None where nothing useful can be said.
@@ -45,6 +45,7 @@ class Diagnostic:
 
     @property
     def severity(self) -> Severity:
+        """Whether this is an error or a warning, as its code says."""
         return Severity.WARNING if self.code.startswith("W") else Severity.ERROR
 
     @property

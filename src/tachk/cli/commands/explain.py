@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     metavar="CODE|FORMULA|FILE",
     type=click.Path(),
     nargs=-1,
-    help="The code of a message, such as E0214; a formula or sentence; or a file with formulas or sentences.",
+    help="The code of a message, such as E0201; a formula or sentence; or a file with formulas or sentences.",
 )
 @click.option(
     "sentences",

@@ -142,17 +142,19 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Conformance:
-    """Attributes:
-    accepted: the recording is a run of the model; None where a limit was hit first.
-    tolerance, late: with which this was found, in units of the model.
-    time_unit: of the model.
-    runs: of all parts of the model, which show it.
-    refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
-    reached: how far each part goes along, where there is a refusal.
-    reason: why there is no answer; empty if there is one.
-    edit: of the recording, with which it would be a run; None where it is one, or none was found.
-    untried: how many edits near the event were not tried, since that would have taken too long.
-    left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
+    """Whether a recording is a run of a model, with the run or the place at which it leaves the model.
+
+    Attributes:
+        accepted: the recording is a run of the model; None where a limit was hit first.
+        tolerance, late: with which this was found, in units of the model.
+        time_unit: of the model.
+        runs: of all parts of the model, which show it.
+        refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
+        reached: how far each part goes along, where there is a refusal.
+        reason: why there is no answer; empty if there is one.
+        edit: of the recording, with which it would be a run; None where it is one, or none was found.
+        untried: how many edits near the event were not tried, since that would have taken too long.
+        left_out: what of the explanation the time limit left no time for, in words; empty if there is all of it.
     """
 
     accepted: bool | None

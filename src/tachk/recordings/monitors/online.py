@@ -294,6 +294,7 @@ class Monitor:
 
     @property
     def unit(self) -> str:
+        """The unit of the times of rows, such as ``ms``; empty where nobody said it."""
         return self._unit
 
     @property

@@ -12,15 +12,17 @@ from tachk.recordings.traces.node_signal import Truth
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnlineVerdict:
-    """Attributes:
-    formula: in canonical form.
-    sentence: as written, if it was a sentence.
-    measured: what has been seen says.
-    truth: the same; after the end, with the meaning that was given to it.
-    decided_at: what the clock showed when the verdict was decided; None before.
-    violated: the earliest known stretch in which what must always hold does not: from, until.
-    robustness: bounds for all continuations; None if it was not requested.
-    story: the violation explained on the rows that were kept; None for other verdicts, and where too few were kept.
+    """The verdict on one formula, on what has come of a growing trace.
+
+    Attributes:
+        formula: in canonical form.
+        sentence: as written, if it was a sentence.
+        measured: what has been seen says.
+        truth: the same; after the end, with the meaning that was given to it.
+        decided_at: what the clock showed when the verdict was decided; None before.
+        violated: the earliest known stretch in which what must always hold does not: from, until.
+        robustness: bounds for all continuations; None if it was not requested.
+        story: the violation explained on the rows that were kept; None for other verdicts, and where too few were kept.
     """
 
     name: str
@@ -54,11 +56,13 @@ class OnlineViolation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OnlineRecord:
-    """Attributes:
-    begin, end: what the clock showed at the first row and shows now.
-    violations: those that have ended; None if they were not requested.
-    dated: times are seconds since 1970, and were dates.
-    notes: what the reader of the trace has to say, such as that times are rounded.
+    """Everything that a monitor has found on a growing trace so far.
+
+    Attributes:
+        begin, end: what the clock showed at the first row and shows now.
+        violations: those that have ended; None if they were not requested.
+        dated: times are seconds since 1970, and were dates.
+        notes: what the reader of the trace has to say, such as that times are rounded.
     """
 
     trace: str

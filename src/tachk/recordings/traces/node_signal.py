@@ -27,10 +27,12 @@ class Truth(IntEnum):
 
     @property
     def negated(self) -> Truth:
+        """The truth of the negation."""
         return self if self is Truth.UNDETERMINED else Truth(1 - self)
 
     @property
     def word(self) -> str:
+        """``true``, ``false`` or ``undetermined``."""
         return self.name.lower()
 
 

@@ -112,6 +112,7 @@ class Sweep:
 
     @property
     def columns(self) -> tuple[str, ...]:
+        """The names of the values of a row: the constants first."""
         return (*self.campaign.grid.names, *COLUMNS)
 
     def to_dict(self) -> dict[str, Json]:
@@ -127,6 +128,7 @@ class Sweep:
         }
 
     def to_csv(self) -> str:
+        """The rows as comma-separated values, with a line of names."""
         out = StringIO()
         writer = csv.DictWriter(out, self.columns, lineterminator="\n")
         writer.writeheader()

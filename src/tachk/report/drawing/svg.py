@@ -87,6 +87,7 @@ class Picture:
 
     @property
     def view(self) -> str:
+        """The attribute of SVG that says which part of the plane is shown."""
         return f'viewBox="{self.left} {self.top} {self.width} {self.height}"'
 
     @property

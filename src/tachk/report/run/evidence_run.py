@@ -26,6 +26,7 @@ class Run:
 
     @property
     def view(self) -> TraceView:
+        """The run as reports show it: steps and states with their names."""
         assert self.verdict.trace is not None
         return view_trace(self.network, self.verdict.trace)
 

@@ -44,8 +44,10 @@ class LintAnswer:
 
 @dataclass(frozen=True, slots=True)
 class DeepCheck:
-    """Attributes:
-    reason: why the exploration has not gone through everything; empty where it has.
+    """What an exploration of a whole model has found that no query asks for.
+
+    Attributes:
+        reason: why the exploration has not gone through everything; empty where it has.
     """
 
     parts: tuple[LintAnswer, ...]
@@ -59,6 +61,7 @@ class DeepCheck:
 
     @property
     def evidence(self) -> tuple[LintEvidence, ...]:
+        """The runs that show findings."""
         return tuple(evidence for part in self.parts for evidence in part.evidence)
 
     @property

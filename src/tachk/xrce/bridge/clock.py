@@ -9,7 +9,9 @@ from typing import Protocol
 class Clock(Protocol):
     """Counts nanoseconds; it never goes back."""
 
-    def now(self) -> int: ...
+    def now(self) -> int:
+        """The time in nanoseconds."""
+        ...
 
 
 class WallClock:
@@ -20,6 +22,7 @@ class WallClock:
         self._begin = time.monotonic_ns()
 
     def now(self) -> int:
+        """Nanoseconds of its time since it was made."""
         return int((time.monotonic_ns() - self._begin) * self.speed)
 
 
@@ -30,6 +33,7 @@ class SteppedClock:
         self._now = now
 
     def now(self) -> int:
+        """The moment to which it was last stepped, in nanoseconds."""
         return self._now
 
     def step_to(self, moment: int) -> None:

@@ -31,12 +31,14 @@ _NO_RELAY = "only a capture of both sides of a relay shows what is lost, copied 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """Attributes:
-    files: the captures, together.
-    quantities: everything that was looked for, also what no capture shows.
-    settings: constants of a model of the protocol; see `tachk.xrce.measuring.settings`.
-    recorded: those of a model that recordings are held against; see `tachk.xrce.measuring.recorded_settings`.
-    problems: which captures end too early, and why; which seem to have each message twice.
+    """The parameters of a system of DDS-XRCE, as captures show them.
+
+    Attributes:
+        files: the captures, together.
+        quantities: everything that was looked for, also what no capture shows.
+        settings: constants of a model of the protocol; see `tachk.xrce.measuring.settings`.
+        recorded: those of a model that recordings are held against; see `tachk.xrce.measuring.recorded_settings`.
+        problems: which captures end too early, and why; which seem to have each message twice.
     """
 
     files: tuple[str, ...]
