@@ -1,0 +1,48 @@
+"""What mkdocs calls: generated files become part of the site, and links and fences of the pages what mkdocs knows."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [path for path in (str(ROOT), str(ROOT / "src")) if path not in sys.path]
+
+from mkdocs.structure.files import File, Files  # noqa: E402
+
+from docs.site_build import highlighting  # noqa: E402
+from docs.site_build.contents import Contents, build_contents  # noqa: E402
+from docs.site_build.markdown import titled_fences  # noqa: E402
+from docs.site_build.site_files import expanded  # noqa: E402
+
+HOME = "README.md"
+"""The page that has the whole width."""
+
+_built: list[Contents] = []
+"""What the build in progress has generated."""
+
+
+def on_config(config: Any) -> Any:
+    """Generates the pages, and puts them into the navigation."""
+    highlighting.register()
+    _built[:] = [build_contents()]
+    config.nav = expanded(config.nav, _built[0].sections)
+    return config
+
+
+def on_files(files: Files, config: Any) -> Files:
+    """Adds the generated files."""
+    for file in _built[0].files:
+        files.append(File.generated(config, file.path, content=file.content))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """The text of a page as the site needs it."""
+    path = page.file.src_uri
+    if path == HOME:
+        page.meta["hide"] = ["navigation", "toc"]
+    origins = {file.path: file.origin for file in _built[0].files}
+    origin = origins.get(path) or f"docs/{path}"
+    return titled_fences(_built[0].links.rewritten(markdown, origin, path))
