@@ -1,6 +1,7 @@
 "use strict";
 const KINDS = ["locations", "variables", "clocks"];
 const FEW = 4;
+const READABLE = 0.7; // the least scale of an automaton; a larger one is scrolled
 
 // Steps through runs. Without this script the page shows charts and the runs in words.
 async function enliven(root) {
@@ -54,7 +55,7 @@ function valueIn(column, at) {
 function play(root, player, run) {
   const last = run.times.length - 1;
   const slider = make("input", { type: "range", min: 0, max: last, value: 0, "aria-label": "step of the run" });
-  const buttons = [["⇤", "to the start", () => 0], ["←", "back", (at) => at - 1], ["→", "on", (at) => at + 1], ["⇥", "to the end", () => last]]
+  const buttons = [["⇤", "to the start", () => 0], ["←", "previous step", (at) => at - 1], ["→", "next step", (at) => at + 1], ["⇥", "to the end", () => last]]
     .map(([sign, name, target]) => {
       const button = make("button", { type: "button", title: name, "aria-label": name }, sign);
       button.addEventListener("click", () => show(target(Number(slider.value))));
@@ -106,6 +107,7 @@ function play(root, player, run) {
       figure.querySelector("figcaption").replaceChildren(make("strong", {}, name), ` in ${place}`);
       mark(figure, "data-location", place, "here");
       for (const [mover, edge] of run.moved[at]) if (mover === name) mark(figure, "data-edge", edge, "taken");
+      showInside(figure, figure.querySelector(".here"));
     }
   }
 
@@ -113,10 +115,19 @@ function play(root, player, run) {
     if (!figures.has(name) && pictures.has(run.templates[name])) {
       const figure = pictures.get(run.templates[name]).cloneNode(true);
       figure.prepend(make("figcaption", {}));
+      const drawing = figure.querySelector("svg");
+      drawing.style.minWidth = `${Math.round(READABLE * drawing.getAttribute("width"))}px`;
       figures.set(name, figure);
     }
     return figures.get(name);
   }
+}
+
+// Scrolls a picture that is wider than its frame.
+function showInside(figure, element) {
+  if (element === null) return;
+  const [frame, shown] = [figure.getBoundingClientRect(), element.getBoundingClientRect()];
+  figure.scrollLeft += shown.left + shown.width / 2 - frame.left - frame.width / 2;
 }
 
 function mark(figure, attribute, value, as) {

@@ -15,7 +15,7 @@ from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tachk.report.drawing.svg import Picture
 from tachk.report.json_report import Json, run_to_json
 from tachk.report.page.content import Answers, Section
-from tachk.report.page.source_text import source_lines
+from tachk.report.page.source_text import source_files
 from tachk.report.pictures import draw_items, file_items
 from tachk.report.record import RunRecord
 from tachk.report.sequence.of_run import chart_of_run
@@ -127,8 +127,8 @@ def answers_part(run: Mapping[str, Any], number: int, run_texts: Mapping[str, st
     edges, pictures, items, remark = _of_file(run)
     templates = {process: f"{run['model']}/{template}" for process, template in run["templates"].items()}
     sections = [_section(run, result, number, run_texts, templates, edges) for result in run["results"]]
-    source = source_lines(run["model"], items, sections) if pictures else ()
-    return Answers(run, sections, pictures, source, remark)
+    sources = [*source_files(run["model"], items, sections)] if pictures else ()
+    return Answers(run, sections, pictures, sources, remark)
 
 
 def _of_file(run: Mapping[str, Any]) -> tuple[dict[str, str], Sequence[Picture], Sequence[ast.Item], str]:

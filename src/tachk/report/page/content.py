@@ -44,20 +44,28 @@ class SourceLine:
 
 
 @dataclass(frozen=True, slots=True)
+class SourceFile:
+    """The text of a model file."""
+
+    name: str
+    lines: Sequence[SourceLine] = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class Answers:
     """The answers about one model.
 
     Attributes:
         run: as docs/schema/verify.schema.json has it.
         pictures: of the templates; the name of each is what the playbacks call it.
-        source: the text of the model.
+        sources: the texts of the model file and of those that it imports.
         remark: why there are none of both.
     """
 
     run: Mapping[str, Any]
     sections: Sequence[Section]
     pictures: Sequence[Picture] = ()
-    source: Sequence[SourceLine] = field(default=(), repr=False)
+    sources: Sequence[SourceFile] = ()
     remark: str = ""
 
 
@@ -128,11 +136,11 @@ class Page:
         return {answers.run["model"]: answers.pictures for answers in self.answers if answers.pictures}
 
     @property
-    def sources(self) -> Sequence[Answers]:
+    def with_sources(self) -> Sequence[Answers]:
         """The answers about models whose texts are shown: the first ones about each model."""
         first: dict[str, Answers] = {}
         for answers in self.answers:
-            if answers.source:
+            if answers.sources:
                 first.setdefault(answers.run["model"], answers)
         return [*first.values()]
 

@@ -324,6 +324,16 @@ def test_the_text_of_a_model_with_several_results_is_there_once(tmp_path: Path, 
     assert {f"#{name}" for name in checked.ids} >= {each for each in checked.addresses if each.startswith("#")}
 
 
+def test_imported_files_are_on_the_page_too(tmp_path: Path) -> None:
+    (tmp_path / "rules.ta").write_text("property stays : A[] P.A;\n", encoding="utf-8")
+    (tmp_path / "main.ta").write_text(
+        'import "rules.ta";\nprocess P() { init location A; }\nsystem P;\n', encoding="utf-8"
+    )
+    text = page(tmp_path, str(tmp_path / "main.ta"))
+    assert text.count('<details class="source">') == 2
+    assert '<span class="line holds" id="0-stays-line"><i>1</i>property stays' in text
+
+
 def test_values_of_clocks_have_their_unit(tmp_path: Path) -> None:
     path = tmp_path / "waits.ta"
     path.write_text(
