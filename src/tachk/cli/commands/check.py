@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
-from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, TachkError, UnsupportedError, UsageError
+from tachk.base.diagnostics.diagnostic import InputError, Severity
 from tachk.base.job import StoppedError, limited
 from tachk.cli import options
 from tachk.cli.destination import destination
@@ -19,7 +18,6 @@ from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.report.check_report import CHECK_FORMATS
 
 if TYPE_CHECKING:
-    from tachk.api import model as api
     from tachk.report.check_report import Checked
 
 
@@ -114,11 +112,12 @@ def _within(
     strict_xta: bool,
     deep: bool,
 ) -> Checked:
+    from tachk.api.checking import check_model
     from tachk.report.check_report import Checked
 
     try:
         with limited(seconds):
-            check, model = _check(path, constants, version, strict_xta)
+            check, model = check_model(path, constants, version, strict_xta)
             if not deep or model is None:
                 return check
             try:
@@ -127,55 +126,6 @@ def _within(
                 return replace(check, findings=(*error.diagnostics, *check.findings), size=None)
     except StoppedError as error:
         return Checked(path, complaint=without_result(error), out_of_time=True)
-
-
-def _check(
-    path: str, constants: dict[str, str], version: UppaalVersion | None, strict_xta: bool
-) -> tuple[Checked, api.Model | None]:
-    """The findings from reading a model, and the model if it can be used."""
-    from tachk.api import model as api
-    from tachk.engine.compiler.features import undrawn_ends
-    from tachk.formats.loading.load import load_model
-    from tachk.report.check_report import Checked, Size
-
-    try:
-        model = api.Model(load_model(path, constants, strict_xta), path, tuple(constants))
-    except InputError as error:
-        return Checked(path, findings=error.diagnostics), None
-    except UnsupportedError as error:
-        return Checked(path, findings=(error.diagnostic,)), None
-    except UsageError as error:
-        return Checked(path, complaint=error.message, help=error.help), None
-    if model.refusals:
-        return Checked(path, findings=(*model.refusals, *model.warnings)), None
-    processes = model.network.processes
-    size = Size(
-        len(processes),
-        sum(len(process.locations) for process in processes),
-        sum(len(process.edges) for process in processes),
-        len(model.properties),
-    )
-    other = None
-    if version is not None:
-        from tachk.formats.uppaal.portability import portability
-
-        other = portability(model.loaded, version)
-    of_simulations = (*_uncomputed(model, strict_xta), *undrawn_ends(model.network))
-    return Checked(path, size, (*model.warnings, *of_simulations), other), model
-
-
-def _uncomputed(model: api.Model, strict_xta: bool) -> tuple[Diagnostic, ...]:
-    """The rates and weights that no simulation computes. It has floating point variables and hybrid clocks besides."""
-    from tachk.engine.compiler.features import uncomputed_chances
-    from tachk.formats.loading.load import load_model
-
-    wrong = uncomputed_chances(model.network)
-    if wrong:
-        with suppress(TachkError):
-            constants = {name: value.span.text for name, value in model.loaded.overrides.items()}
-            simulated = load_model(model.path, constants, strict_xta, keeps_doubles=True)
-            return uncomputed_chances(simulated.network)
-    return wrong
 
 
 def _report(check: Checked, version: UppaalVersion | None, named: bool, out: TextIO) -> None:

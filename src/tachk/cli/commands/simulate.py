@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import StoppedError
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.whole_files import write_whole
 from tachk.cli import options
@@ -23,18 +21,12 @@ from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.engine.simulation.policy import SCRIPT, Policy
-from tachk.simulation.intervals import clopper_pearson
 
 if TYPE_CHECKING:
     from tachk.api.model import Model
-    from tachk.engine.simulation.simulator import Simulated, SimulationEnding
-    from tachk.model.network import Network
-    from tachk.recordings.monitors.formulas import NamedFormula
-    from tachk.recordings.traces.node_signal import Truth
-    from tachk.simulation.fault_injection import FaultedNetwork
+    from tachk.engine.simulation.simulator import Simulated
     from tachk.simulation.runs import Runs
-
-    Write = Callable[[Simulated, Runs], None]
+    from tachk.simulation.tally import Tally, WriteRun
 
 
 def holds_steps(output: Path | None) -> bool:
@@ -45,7 +37,7 @@ def holds_steps(output: Path | None) -> bool:
 
 
 @contextmanager
-def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) -> Iterator[Write]:
+def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) -> Iterator[WriteRun]:
     """Gives the function that writes each run.
 
     Args:
@@ -182,54 +174,6 @@ class SimulateArguments:
         return None if self.summary else self.output
 
 
-@dataclass(slots=True)
-class _Tally:
-    """Counts over the runs that were drawn.
-
-    Attributes:
-        endings: how many runs end so.
-        examples: the first run of each ending, and when it ends.
-        truths: for each formula how many runs have each verdict.
-        violating: for each formula the runs on which it is false.
-        done, missed: how often each ordered fault happened, and how often the model did not allow it.
-        stopped: why not all runs were drawn; empty if they were.
-        written: how many runs are in a file.
-    """
-
-    transitions: int = 0
-    endings: Counter[SimulationEnding] = field(default_factory=Counter)
-    examples: dict[SimulationEnding, tuple[int, str]] = field(default_factory=dict)
-    faults: list[str] = field(default_factory=list)
-    truths: dict[str, Counter[Truth]] = field(default_factory=dict)
-    violating: dict[str, list[int]] = field(default_factory=dict)
-    done: Counter[str] = field(default_factory=Counter)
-    missed: Counter[str] = field(default_factory=Counter)
-    stopped: str = ""
-    written: int = 0
-
-    @property
-    def runs(self) -> int:
-        return self.endings.total()
-
-    def add(self, run: Simulated) -> None:
-        from tachk.simulation.tables import decimal_time
-
-        # First the example, or Ctrl-C in between leaves an ending that has none.
-        self.examples.setdefault(run.ending, (run.number, decimal_time(run.end, run.ticks_per_unit)))
-        self.transitions += run.transitions
-        self.endings[run.ending] += 1
-        if run.fault is not None and not self.faults:
-            kind, span = run.fault
-            self.faults.append(f"{span}: {kind.name.lower().replace('_', ' ')}")
-
-    def count(self, name: str, number: int, truth: Truth) -> None:
-        from tachk.recordings.traces.node_signal import Truth
-
-        self.truths.setdefault(name, Counter())[truth] += 1
-        if truth is Truth.FALSE:
-            self.violating.setdefault(name, []).append(number)
-
-
 def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     """Draws runs, judges and writes them, and prints a summary."""
     from tachk.cli.arguments import parse_definitions
@@ -240,6 +184,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     from tachk.simulation.fault_injection import read_plan, with_faults
     from tachk.simulation.formulas import columns_with, formulas_for
     from tachk.simulation.runs import Runs
+    from tachk.simulation.tally import Tally, take_run, take_until_stopped
     from tachk.simulation.times import parsed_time_bound
 
     if (arguments.policy == SCRIPT) is (arguments.script is None):
@@ -262,16 +207,16 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
         arguments.seed, until.ticks, Policy(arguments.policy), arguments.steps, arguments.threads, until.ticks_per_unit
     )
     observed = arguments.runs_file is not None or bool(formulas or wanted.done or wanted.missed)
-    tally = _Tally()
+    tally = Tally()
     file = arguments.runs_file
     opened = nullcontext() if file is None else run_files(file, model, definitions, arguments.runs)
     with _reported_when_stopped(file, tally), opened as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
         drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
-        _until_stopped(drawn, partial(_take, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
+        take_until_stopped(drawn, partial(take_run, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
         if write is not None and tally.stopped and not tally.written:
             raise _NothingWritten
-    _print(arguments, tally, network, formulas)
+    _print(arguments, tally, {formula.name: formula.text for formula in formulas})
     faults = ExitStatus.NOT_AS_EXPECTED if tally.endings[SimulationEnding.FAULT] else ExitStatus.AS_EXPECTED
     truths = {truth for counts in tally.truths.values() for truth in counts}
     stopped = {"": ExitStatus.AS_EXPECTED, INTERRUPTED: ExitStatus.INTERRUPTED}.get(tally.stopped, ExitStatus.UNKNOWN)
@@ -301,7 +246,7 @@ class _NothingWritten(Exception):
 
 
 @contextmanager
-def _reported_when_stopped(file: Path | None, tally: _Tally) -> Iterator[None]:
+def _reported_when_stopped(file: Path | None, tally: Tally) -> Iterator[None]:
     """A part after which the runs are reported also where they are in no file."""
     try:
         yield
@@ -311,127 +256,22 @@ def _reported_when_stopped(file: Path | None, tally: _Tally) -> Iterator[None]:
         complain(f"{file}: not written: {tally.stopped}")
 
 
-def _until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], None], tally: _Tally) -> None:
-    """Takes the runs. Where a limit or the user ends that, the tally says so."""
-    from tachk.engine.outcome import INTERRUPTED
+def _print(arguments: SimulateArguments, tally: Tally, formulas: Mapping[str, str]) -> None:
+    """``formulas``: their texts by their names."""
+    from tachk.report.statistics.drawn_runs import SimulationHeading, tally_lines, tally_to_json
 
-    try:
-        for run in drawn:
-            take(run)
-    except StoppedError as error:
-        tally.stopped = error.reason
-    except KeyboardInterrupt:
-        tally.stopped = INTERRUPTED
-
-
-def _take(
-    runs: Runs,
-    formulas: tuple[NamedFormula, ...],
-    wanted: FaultedNetwork,
-    tally: _Tally,
-    write: Write | None,
-    all_runs: bool,
-    run: Simulated,
-) -> None:
-    """Judges, writes and counts a run; it does not count if a limit or the user ends that.
-
-    Args:
-        write: writes a run; None where no file is wanted.
-        all_runs: those on which no formula is false are written, too.
-    """
-    from tachk.recordings.traces.node_signal import Truth
-
-    truths = _truths(runs, run, formulas)
-    counts = runs.counts(run)
-    if write is not None and len(run.times) and (all_runs or not formulas or Truth.FALSE in truths.values()):
-        write(run, runs)
-        tally.written += 1
-    for name, truth in truths.items():
-        tally.count(name, run.number, truth)
-    counted = iter(counts)
-    tally.done.update(dict(zip(wanted.done, counted, strict=False)))
-    tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
-    tally.add(run)
-
-
-def _truths(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...]) -> Mapping[str, Truth]:
-    """The verdicts about a run; none where there are no formulas, or the run has no state."""
-    if not formulas or not len(run.times):
-        return {}
-    from tachk.simulation.formulas import truths_on
-
-    return truths_on(runs.trace(run), formulas)
-
-
-# ---- the summary ----------------------------------------------------------------------------------------------------
-
-
-def _print(arguments: SimulateArguments, tally: _Tally, network: Network, formulas: Iterable[NamedFormula]) -> None:
-    from tachk.engine.simulation.simulator import SimulationEnding
-    from tachk.recordings.traces.node_signal import Truth
-    from tachk.report.statistics.text import times_text
-
+    heading = SimulationHeading(
+        arguments.model,
+        arguments.runs,
+        arguments.first,
+        arguments.until,
+        arguments.seed,
+        arguments.policy,
+        arguments.confidence,
+    )
     if arguments.form == "json":
         with destination(arguments.summary) as out:
-            print(json.dumps(_json(arguments, tally, {f.name: f.text for f in formulas}), indent=2), file=out)
+            print(json.dumps(tally_to_json(heading, tally, formulas), indent=2), file=out)
         return
-    runs = "1 run" if arguments.runs == 1 else f"{arguments.runs} runs"
-    if tally.stopped:
-        runs = f"{tally.runs} of {runs}"
-    print(f"{arguments.model}: {runs} until {arguments.until}, {tally.transitions} transitions, seed {arguments.seed}")
-    for ending, count in tally.endings.most_common():
-        number, end = tally.examples[ending]
-        where = "" if ending is SimulationEnding.HORIZON else f", the first is run {number} at {end}"
-        print(f"{count:8} end with: {ending}{where}")
-    for written, done in tally.done.items():
-        missed = tally.missed[written]
-        impossible = f", {times_text(missed)} the model does not allow it" if missed else ""
-        print(f"{written}: {times_text(done)}{impossible}")
-    for fault in tally.faults:
-        print(f"  {fault}")
-    for name, counts in tally.truths.items():
-        verdicts = ", ".join(f"{truth} on {counts[truth]}" for truth in (Truth.TRUE, Truth.FALSE, Truth.UNDETERMINED))
-        violating = tally.violating.get(name, [])
-        print(f"{name}: {verdicts}" + (f"; the first violation is in run {violating[0]}" if violating else ""))
-        low, high = _violations(counts, arguments.confidence)
-        print(f"  probability of a violation: {low:.4g} to {high:.4g}, confidence {arguments.confidence:.6g}")
-    if tally.stopped:
-        print(f"unknown what the other runs do ({tally.stopped})")
-
-
-def _violations(counts: Counter[Truth], confidence: float) -> tuple[float, float]:
-    """The interval of the probability that a run violates a formula; those that are undetermined may."""
-    from tachk.recordings.traces.node_signal import Truth
-
-    return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
-
-
-def _json(arguments: SimulateArguments, tally: _Tally, formulas: Mapping[str, str]) -> dict[str, object]:
-    """``formulas``: their texts by their names."""
-    from tachk.recordings.traces.node_signal import Truth
-
-    return {
-        "model": arguments.model,
-        "runs": tally.runs,
-        **({"not_drawn": arguments.runs - tally.runs, "reason": tally.stopped} if tally.stopped else {}),
-        "first": arguments.first,
-        "until": arguments.until,
-        "seed": arguments.seed,
-        "policy": arguments.policy,
-        "transitions": tally.transitions,
-        "faults": [{"order": order, "done": done, "missed": tally.missed[order]} for order, done in tally.done.items()],
-        "endings": {ending.value: count for ending, count in tally.endings.items()},
-        "formulas": [
-            {
-                "name": name,
-                "formula": formulas[name],
-                "true": counts[Truth.TRUE],
-                "false": counts[Truth.FALSE],
-                "undetermined": counts[Truth.UNDETERMINED],
-                "violating": tally.violating.get(name, []),
-                "probability_of_violation": _violations(counts, arguments.confidence),
-                "confidence": arguments.confidence,
-            }
-            for name, counts in tally.truths.items()
-        ],
-    }
+    for line in tally_lines(heading, tally):
+        print(line)
