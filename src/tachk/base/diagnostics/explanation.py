@@ -8,6 +8,8 @@ of other tools, E090x and E091x formulas over traces, E092x runs, E095x rules of
 
 from __future__ import annotations
 
+import difflib
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +18,12 @@ from importlib.resources import files
 from textwrap import indent
 from types import MappingProxyType
 
+from tachk.base.diagnostics.diagnostic import UsageError
+
 _FOLDER = "explanations"
+
+CODE = re.compile(r"[A-Za-z]+[0-9]+|[A-Za-z]\w?")
+"""What is meant as a code where a formula may stand, too: a word that is as short, or as a code is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,3 +80,13 @@ def explain(code: str) -> str | None:
 def _explanation(table: Mapping[str, str]) -> Explanation:
     examples = {name: text.removesuffix("\n") for name, text in table.items() if name in ("bad", "good")}
     return Explanation(table["title"], " ".join(table["why"].split()), **examples)
+
+
+def message_text(code: str) -> str:
+    """The explanation of a message. Raises UsageError for a code that no message has."""
+    text = explain(code)
+    if text is None:
+        close = difflib.get_close_matches(code.upper(), all_explanations(), n=3)
+        help = f"did you mean {' or '.join(close)}?" if close else "a code is a letter and four digits, such as E0101"
+        raise UsageError(f"no message has the code {code}", help)
+    return text
