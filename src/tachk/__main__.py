@@ -4,4 +4,5 @@ from __future__ import annotations
 
 from tachk.cli.main import run
 
-run()
+if __name__ == "__main__":  # processes that the program starts may import this module
+    run()

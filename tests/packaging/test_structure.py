@@ -25,6 +25,7 @@ MODULES = sorted(PYTHON.rglob("*.py"))
 SOURCES = sorted(path for path in CORE.rglob("*") if path.suffix in {".cpp", ".hpp"})
 
 LIBRARIES = {
+    "anyio": {"api.tools"},
     "anywidget": {"report.page"},
     "asammdf": {"recordings.traces.logs"},
     "click": {"cli"},
@@ -39,6 +40,8 @@ LIBRARIES = {
     "lz4": {"recordings.traces.logs"},
     "mcap": {"recordings.traces.logs"},
     "mcap_protobuf": {"recordings.traces.logs"},
+    "mcp": {"api.tools"},
+    "mcp_types": {"api.tools"},
     "networkx": {"formats.layout.placement", "report.run"},
     "numpy": {
         "engine.simulation",

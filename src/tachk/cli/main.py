@@ -56,6 +56,7 @@ SECTIONS = {
     "Explain results": {
         "explain": "Explain a message, a formula or a sentence.",
         "report": "Write an HTML page with verdicts, runs and pictures.",
+        "mcp": "Offer these commands to an agent, by the MCP protocol.",
     },
 }
 """The commands by their sections of the help, each with its first line, so that the help need not import them."""

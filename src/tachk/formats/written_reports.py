@@ -67,16 +67,27 @@ def check_report(document: Mapping[str, Any], report: str, path: Path, how: str)
     error = best_match(validator(report).iter_errors(document))
     if error is None:
         return
-    message = error.message if len(error.message) <= _LONGEST else f"{error.message[:_LONGEST]}…"
-    raise UsageError(f"{path}: {error.json_path}: {message}", how)
+    raise UsageError(f"{path}: {error.json_path}: {_shortened(error.message)}", how)
+
+
+def _shortened(message: str) -> str:
+    return message if len(message) <= _LONGEST else f"{message[:_LONGEST]}…"
+
+
+def first_violation(schema: Mapping[str, Any], document: object) -> str:
+    """Where a document does not follow a schema, and how; empty where it does."""
+    from jsonschema.exceptions import best_match
+
+    error = best_match(_draft()(schema).iter_errors(document))
+    if error is None:
+        return ""
+    place = error.json_path.removeprefix("$").removeprefix(".")
+    return f"{place}: {_shortened(error.message)}" if place else _shortened(error.message)
 
 
 @cache
 def validator(report: str) -> Any:
-    """The validator of documents for the schema of this name, and those that it refers to. Integers are integers here,
-    whereas by JSON Schema 1e300 is one, too."""
-    from jsonschema import Draft202012Validator
-    from jsonschema.validators import extend
+    """The validator of documents for the schema of this name, and those that it refers to."""
     from referencing import Registry, Resource
     from referencing.jsonschema import DRAFT202012
 
@@ -84,9 +95,18 @@ def validator(report: str) -> Any:
         schema = json.loads(schema_text(uri.removesuffix(".schema.json")))
         return Resource.from_contents(schema, default_specification=DRAFT202012)
 
-    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     registry = Registry(retrieve=named)  # type: ignore[call-arg]  # attrs field with an alias
-    return extend(Draft202012Validator, type_checker=types)(json.loads(schema_text(report)), registry=registry)
+    return _draft()(json.loads(schema_text(report)), registry=registry)
+
+
+@cache
+def _draft() -> Any:
+    """The class of validators. Integers are integers here, whereas by JSON Schema 1e300 is one, too."""
+    from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
+
+    types = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
+    return extend(Draft202012Validator, type_checker=types)
 
 
 def _integer(text: str) -> int:

@@ -24,7 +24,7 @@ from tachk.meaning.discrete import execute_updates, initial_discrete
 from tachk.meaning.run_view import RunNames
 from tachk.model.network import Network
 from tachk.model.quantity import decimal
-from tachk.model.run import Participant, TimedTrace, Transition
+from tachk.model.run import DiscreteState, Participant, TimedTrace, Transition
 from tachk.simulation.stepping.submitted import SubmittedMove, SubmittedRun, SubmittedStep
 
 SUFFIX = ".run"
@@ -133,14 +133,22 @@ def _head(heading: Sequence[str], constants: Mapping[str, int]) -> Iterator[str]
 def _step_lines(names: RunNames, steps: Iterable[tuple[Fraction, Transition | None]]) -> Iterator[str]:
     discrete = initial_discrete(names.model)
     for time, transition in steps:
-        when = exact_time(time)
-        if transition is None:
-            yield when
-            continue
-        channel = names.event(discrete, transition).channel
-        moves = " & ".join(_move_text(names.network, each) for each in transition.participants)
-        yield f"{when:<8} {f'{channel}!  ' if channel else ''}{moves}"
-        discrete, _ = execute_updates(names.model, discrete, transition)
+        yield step_line(names, discrete, exact_time(time), transition)
+        if transition is not None:
+            discrete, _ = execute_updates(names.model, discrete, transition)
+
+
+def step_line(names: RunNames, before: DiscreteState, when: str, transition: Transition | None) -> str:
+    """The line of one step.
+
+    Args:
+        when: its time, or ``+`` with the time since the step before.
+    """
+    if transition is None:
+        return when
+    channel = names.event(before, transition).channel
+    moves = " & ".join(_move_text(names.network, each) for each in transition.participants)
+    return f"{when:<8} {f'{channel}!  ' if channel else ''}{moves}"
 
 
 def exact_time(time: Fraction) -> str:

@@ -1,0 +1,65 @@
+"""`tachk mcp`: offer tachk's tools to agents, by the Model Context Protocol."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from tachk.cli import options
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import complain
+
+_BYTES_IN_A_MEGABYTE = 1 << 20
+
+
+@click.command(name="mcp")
+@options.max_seconds("The most seconds that a call can ask for (default 300; a call that names none has 30).")
+@click.option(
+    "max_memory",
+    "--max-memory",
+    metavar="SIZE",
+    help="The most memory that a call can ask for, such as 2G (default 4G; a call that names none has 1G).",
+)
+@click.option(
+    "states",
+    "--max-states",
+    metavar="N",
+    type=options.Count(min=1),
+    help="The most states that a call can ask to store in a search (default 20000000; a call that names none has "
+    "1000000).",
+)
+def command(**given: Any) -> None:
+    """Offer check, verify, explain, simulate, step, monitor and conform to an agent, by MCP on standard input and
+    output.
+
+    An MCP client starts this command; docs/agents.md says how. Needs: pip install "tachk[mcp]".
+
+    Exit status: 0 when standard input ends, 3 where the package mcp is not installed.
+    """
+
+    options.finish(lambda: run_mcp(**given))
+
+
+def run_mcp(seconds: float | None, max_memory: str | None, states: int | None) -> ExitStatus:
+    """Serves calls until standard input ends. Raises UsageError for a size that is none."""
+    from tachk.api.tools.limits import DEFAULT_CEILINGS, ToolLimits
+    from tachk.cli.arguments import parse_size
+
+    ceilings = ToolLimits(
+        DEFAULT_CEILINGS.seconds if seconds is None else seconds,
+        DEFAULT_CEILINGS.megabytes if max_memory is None else max(parse_size(max_memory) // _BYTES_IN_A_MEGABYTE, 1),
+        DEFAULT_CEILINGS.states if states is None else states,
+    )
+    try:
+        from tachk.api.tools.server import serve
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in {"anyio", "mcp", "mcp_types"}:
+            raise
+        complain("the server needs the package mcp, which is not installed", 'pip install "tachk[mcp]"')
+        return ExitStatus.UNSUPPORTED
+    try:
+        serve(ceilings)
+    except KeyboardInterrupt:  # how a server is ended: nothing is lost that a message would name
+        return ExitStatus.INTERRUPTED
+    return ExitStatus.AS_EXPECTED
