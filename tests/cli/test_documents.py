@@ -95,6 +95,7 @@ def check(path: Path, command: Command, output: str, status: int) -> None:
 PAGES = (
     "README.md",
     "CONTRIBUTING.md",
+    "docs/llms.txt",
     *(str(page.relative_to(CHECKOUT)) for page in sorted((CHECKOUT / "docs").rglob("*.md"))),
 )
 TUTORIAL = "docs/tutorial.md"
@@ -221,13 +222,15 @@ def test_examples_in_python_run(name: str, tmp_path: Path, monkeypatch: pytest.M
         exec(compile("\n" * line + fence[3], name, "exec"), names)
 
 
-def test_the_page_about_python_goes_as_it_says(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", ["docs/python.md", "docs/agents.md"])
+def test_pages_with_python_go_as_they_say(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(CHECKOUT)
-    text = (CHECKOUT / "docs/python.md").read_text(encoding="utf-8")
+    text = (CHECKOUT / name).read_text(encoding="utf-8")
     names: dict[str, object] = {}
     for fence in FENCE.finditer(text):
-        assert fence[1] == "pycon"
-        run_examples("docs/python.md", fence[3], text[: fence.start(3)].count("\n"), names)
+        assert fence[1] in {"pycon", "json"}
+        if fence[1] == "pycon":
+            run_examples(name, fence[3], text[: fence.start(3)].count("\n"), names)
 
 
 def run_examples(name: str, body: str, line: int, names: dict[str, object]) -> None:
