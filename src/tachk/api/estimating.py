@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, overload
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
-from tachk.base.preformatted import preformatted
+from tachk.base.frames import data_frame
+from tachk.base.notebook import folded, html_table
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query
@@ -60,6 +61,30 @@ class Estimates(Sequence["Estimate"]):
 
         return estimates_document(self.model, self.answers, self.settings)
 
+    def to_rows(self) -> list[dict[str, str | int | float | None]]:
+        """A row for each query: ``low`` and ``high`` contain the probability or the mean with the confidence."""
+        from tachk.report.statistics.answered import short_answer
+
+        return [
+            {
+                "model": self.model,
+                "query": answer["name"],
+                "formula": answer["query"],
+                "kind": answer["kind"],
+                "answer": short_answer(answer),
+                "low": answer.get("low"),
+                "high": answer.get("high"),
+                "estimate": answer.get("frequency", answer.get("mean")),
+                "confidence": self.settings.confidence,
+                "runs": sum(sample["runs"] for sample in answer.get("samples", ())) or None,
+            }
+            for answer in self.to_dict()["answers"]
+        ]
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
+
     def to_text(self) -> str:
         from tachk.report.statistics.text import answer_lines
 
@@ -75,7 +100,9 @@ class Estimates(Sequence["Estimate"]):
         return f"<Estimates of {self.model}: {', '.join(answers)}>"
 
     def _repr_html_(self) -> str:
-        return preformatted(self.to_text())
+        columns = ("query", "formula", "answer", "confidence", "runs")
+        rows = [[row[name] for name in columns] for row in self.to_rows()]
+        return f"{html_table(columns, rows, self.model)}\n{folded('in words', self.to_text())}"
 
 
 class Estimable:

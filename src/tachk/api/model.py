@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from tachk.model.grid import Grid
     from tachk.recordings.conformance.conform import Conformance
     from tachk.report.campaign.table import Sweep
+    from tachk.report.deep_report import DeepCheckReport
     from tachk.report.drawing.svg import Picture
     from tachk.report.region.synthesis import Synthesis
+    from tachk.report.time_report import TimesReport
     from tachk.simulation.statistics.estimate import Settings
     from tachk.verify.campaign.run import Progress as CampaignProgress
-    from tachk.verify.semantic_lint.findings import DeepCheck
     from tachk.verify.synthesis.parameters import VariedConstant
-    from tachk.verify.times import Times
 
 __all__ = [
     "Answer",
@@ -341,7 +341,7 @@ class Model(Estimable):
         options: Options | None = None,
         limits: Limits | None = None,
         trace: bool = True,
-    ) -> Times:
+    ) -> TimesReport:
         """The least and the largest time from one event to the next occurrence of another one, over all runs.
 
         Args:
@@ -358,13 +358,16 @@ class Model(Estimable):
             UnsupportedError: the model uses a feature that cannot be checked.
         """
         from tachk.frontend.queries.events import read_event
+        from tachk.report.time_report import TimedInterval, TimesReport
         from tachk.verify.times import BEST, WORST, times_between
 
         network = self.network
         first = None if start is None else read_event(self.loaded, start, "--from", settled)
         second = read_event(self.loaded, end, "--to", settled)
         requested = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
-        return times_between(network, first, second, last, options or Options(), limits or Limits(), requested, trace)
+        chosen = options or Options(), limits or Limits(), requested, trace
+        times = times_between(network, first, second, last, *chosen)
+        return TimesReport.of(times, TimedInterval(self.path, start, end, last), network)
 
     @checked_arguments
     def check(
@@ -372,7 +375,7 @@ class Model(Estimable):
         limits: Limits | None = None,
         options: Options | None = None,
         progress: Callable[[Statistics], None] | None = None,
-    ) -> DeepCheck:
+    ) -> DeepCheckReport:
         """Explores the states of the model and looks for what is odd about it although no property asks for it, as
         `tachk check --deep` does: what no run reaches, time-locks, Zeno loops, names that nothing uses.
 
@@ -381,12 +384,14 @@ class Model(Estimable):
             UnsupportedError: the model has refusals.
         """
         from tachk.frontend.unused_names import unused_names
+        from tachk.report.deep_report import DeepCheckReport
         from tachk.verify.semantic_lint.deep_check import deep_check
 
         loaded = self.loaded
         unused = unused_names(loaded.items, loaded.document.items) if loaded.items else None
         with followed(None if progress is None else lambda statistics, _: progress(statistics)):
-            return deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits())
+            found = deep_check(self.network, self.warnings, unused, options or Options(), limits or Limits())
+        return DeepCheckReport.of(found, self.network)
 
     @checked_arguments
     def synthesize(

@@ -14,7 +14,7 @@ def value_lines(verdict: Verdict, time_unit: str) -> Iterator[str]:
     """For each expression what was found: ``P.x ≥ 2 ms, P.x < 9 ms``, ``P.x has no largest value``."""
     for operand, found in zip(verdict.query.operands, verdict.extremes, strict=False):
         unit = time_unit if isinstance(operand.type, ClockType) else ""
-        yield ", ".join(_said(found.expression, extreme, largest, unit) for extreme, largest in requested(found))
+        yield ", ".join(found.in_words(unit))
 
 
 def answer_text(verdict: Verdict, time_unit: str) -> str:
@@ -45,10 +45,3 @@ def requested(found: Extremes) -> list[tuple[Extreme, bool]]:
     """The extremes that were requested, each with True if it is the largest value."""
     both = ((found.least, False), (found.largest, True))
     return [(extreme, largest) for extreme, largest in both if extreme is not None]
-
-
-def _said(expression: str, extreme: Extreme, largest: bool, unit: str) -> str:
-    if extreme.value is None:
-        return f"{expression} has no {'largest' if largest else 'least'} value"
-    sign = {(True, False): "≤", (True, True): "<", (False, False): "≥", (False, True): ">"}[largest, extreme.strict]
-    return f"{expression} {sign} {duration(Fraction(extreme.value), unit)}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,31 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
 }
 _METADATA: Any = {"Date": None, "Creator": "tachk"}
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnFigure:
+    """A picture; a notebook shows it.
+
+    Attributes:
+        draw: makes it.
+        style: matplotlib's parameters beside those of all pictures.
+    """
+
+    draw: Callable[[], Figure] = field(repr=False)
+    style: Mapping[Any, Any] = field(repr=False)
+
+    @property
+    def svg(self) -> str:
+        """The text of a file."""
+        return svg_of(self.draw, self.style)
+
+    def write(self, path: str | Path) -> None:
+        """Writes a file whose ending says the format. Raises UsageError for an unknown one."""
+        write_figure(path, self.draw, self.style)
+
+    def _repr_svg_(self) -> str:
+        return self.svg
 
 
 def write_figure(path: str | Path, draw: Callable[[], Figure], style: Mapping[Any, Any]) -> None:

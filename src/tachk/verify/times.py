@@ -9,7 +9,6 @@ from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import limited, unhurried
-from tachk.base.preformatted import preformatted
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
@@ -82,9 +81,6 @@ class Times:
 
     def __repr__(self) -> str:
         return f"<Times {self}>"
-
-    def _repr_html_(self) -> str:
-        return preformatted(str(self))
 
 
 def times_between(

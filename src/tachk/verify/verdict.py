@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import field, replace
 from enum import StrEnum
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.job import unhurried
+from tachk.base.notebook import html_table
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
+from tachk.model.quantity import duration
 from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
 
@@ -62,6 +65,21 @@ class Extremes:
     least: Extreme | None = None
     largest: Extreme | None = None
 
+    def in_words(self, unit: str = "") -> list[str]:
+        """``P.x ≥ 2 ms``, ``P.x < 9 ms``, ``P.x has no largest value``.
+
+        Args:
+            unit: of the expression, if it is a clock.
+        """
+        both = ((self.least, "≥", ">", "least"), (self.largest, "≤", "<", "largest"))
+        return [
+            f"{self.expression} has no {name} value"
+            if extreme.value is None
+            else f"{self.expression} {strictly if extreme.strict else sign} {duration(Fraction(extreme.value), unit)}"
+            for extreme, sign, strictly, name in both
+            if extreme is not None
+        ]
+
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
@@ -100,8 +118,19 @@ class Verdict:
     path: tuple[Transition, ...] = ()
     strategy: str = ""
 
+    @property
+    def in_words(self) -> str:
+        """The answer in a word, or the values where these are the answer: ``holds``, ``P.x ≤ 2``; with the reason."""
+        values = [words for each in self.extremes for words in each.in_words()]
+        return f"{', '.join(values) or self.answer.value}{f' ({self.reason})' if self.reason else ''}"
+
     def __repr__(self) -> str:
-        return f"<Verdict {self.query.name}: {self.answer.value}, {self.query.text}>"
+        return f"<Verdict {self.query.name}: {self.in_words}, {self.query.text}>"
+
+    def _repr_html_(self) -> str:
+        states, steps = self.statistics.states_stored, None if self.trace is None else len(self.trace.steps)
+        row = (self.query.name, self.query.text, self.in_words, states, steps)
+        return html_table(["property", "formula", "answer", "states", "steps of the run"], [row])
 
     def noted(self, note: str) -> Verdict:
         """The verdict with a note more."""

@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 
 from matplotlib import colormaps
 from matplotlib.axes import Axes as Plane
@@ -21,9 +20,7 @@ from matplotlib.patches import Rectangle
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.grid import Grid, ParameterAxis
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
-from tachk.report.figure_files import write_figure
 from tachk.verify.campaign.job import COLUMNS, ESTIMATED, Row
-from tachk.verify.campaign.run import Campaign
 from tachk.verify.verdict import Answer
 
 STYLE = {"hatch.linewidth": 0.5}
@@ -42,11 +39,6 @@ _WIDE_RANGE = 100
 class _Map:
     title: str
     rows: Mapping[tuple[int, int], Row]
-
-
-def plot_campaign(model: str, campaign: Campaign, path: str | Path, show: str) -> None:
-    """Writes the picture; see `draw_maps`."""
-    write_figure(path, lambda: draw_maps(model, campaign.grid, campaign.rows, show), STYLE)
 
 
 def draw_maps(model: str, grid: Grid, rows: Sequence[Row], show: str) -> Figure:

@@ -9,12 +9,13 @@ from dataclasses import dataclass, field
 from io import StringIO
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.preformatted import preformatted
+from tachk.base.frames import data_frame
+from tachk.base.notebook import html_table, preformatted
 from tachk.base.whole_files import whole_file
 from tachk.model.quantity import grouped
 from tachk.report.json_report import Json
@@ -24,7 +25,12 @@ from tachk.verify.campaign.job import COLUMNS, ESTIMATED, Row
 from tachk.verify.campaign.run import Campaign
 from tachk.verify.verdict import Answer
 
+if TYPE_CHECKING:
+    from tachk.report.figure_files import DrawnFigure
+
 _MOST_ROWS = 200
+_MOST_SHOWN = 60
+"""Rows of a table in a notebook."""
 
 
 def campaign_text(model: str, campaign: Campaign) -> str:
@@ -32,16 +38,30 @@ def campaign_text(model: str, campaign: Campaign) -> str:
     out = StringIO()
     console = plain_console(out)
     console.print(f"{model}: {_heading(campaign)}\n", markup=False)
-    shown = [axis.name for axis in campaign.grid.varied] or list(campaign.grid.names)
-    cells = [list(rows) for _, rows in groupby(campaign.rows, lambda row: [row[name] for name in campaign.grid.names])]
+    names, properties, cells = _cells(campaign)
     if 0 < len(cells) <= _MOST_ROWS:
-        console.print(_table(shown, campaign.job.property_names, cells))
+        console.print(_table(names, properties, cells))
         console.print()
     elif cells:
         console.print(f"({len(cells)} rows: --format csv has them)\n", markup=False)
     for line in _summary(campaign):
         console.print(line, markup=False)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
+
+
+def _cells(campaign: Campaign) -> tuple[list[str], Sequence[str], list[list[Row]]]:
+    """The constants and the properties that a table shows, and the rows of each cell."""
+    names = [axis.name for axis in campaign.grid.varied] or list(campaign.grid.names)
+    cells = groupby(campaign.rows, lambda row: [row[name] for name in campaign.grid.names])
+    return names, campaign.job.property_names, [list(rows) for _, rows in cells]
+
+
+def _cell_row(names: Sequence[str], rows: Sequence[Row]) -> list[str]:
+    """The values of constants, the answers, the most states and seconds of a cell."""
+    stored = [int(row["states_stored"] or 0) for row in rows]
+    seconds = [float(row["seconds"] or 0) for row in rows]
+    answers = [_answer(row) for row in rows]
+    return [*(str(rows[0][name]) for name in names), *answers, grouped(max(stored)), f"{max(seconds):.2f}"]
 
 
 def _heading(campaign: Campaign) -> str:
@@ -64,11 +84,7 @@ def _table(names: Sequence[str], properties: Sequence[str], cells: Sequence[Sequ
     table.add_column("states", justify="right")
     table.add_column("seconds", justify="right")
     for rows in cells:
-        stored = [int(row["states_stored"] or 0) for row in rows]
-        seconds = [float(row["seconds"] or 0) for row in rows]
-        answers = [_answer(row) for row in rows]
-        constants = [str(rows[0][name]) for name in names]
-        table.add_row(*constants, *answers, grouped(max(stored)), f"{max(seconds):.2f}")
+        table.add_row(*_cell_row(names, rows))
     return table
 
 
@@ -115,6 +131,14 @@ class Sweep:
         """The names of the values of a row: the constants first."""
         return (*self.campaign.grid.names, *COLUMNS)
 
+    def to_rows(self) -> list[Row]:
+        """`rows` as a list."""
+        return list(self.rows)
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.rows)
+
     def to_dict(self) -> dict[str, Json]:
         """The document of docs/schema/sweep.schema.json."""
         campaign = self.campaign
@@ -158,21 +182,40 @@ class Sweep:
         """The output of `tachk sweep`."""
         return campaign_text(self.model, self.campaign)
 
-    def plot(self, path: str | Path, show: str = "answer") -> None:
-        """Draws a heat map for each property.
+    def plot(self, path: str | Path | None = None, show: str = "answer") -> DrawnFigure:
+        """Draws a heat map for each property. A notebook shows the result.
 
         Args:
-            path: its ending says the format.
+            path: a file to write; its ending says the format.
             show: the column that is drawn, such as ``states_stored``.
 
         Raises UsageError for an unknown format or column, or more maps than a picture can show.
         """
-        from tachk.report.campaign.heat_map import plot_campaign
+        from tachk.report.campaign.heat_map import STYLE, draw_maps
+        from tachk.report.figure_files import DrawnFigure
 
-        plot_campaign(self.model, self.campaign, path, show)
+        campaign = self.campaign
+        figure = DrawnFigure(lambda: draw_maps(self.model, campaign.grid, campaign.rows, show), STYLE)
+        if path is not None:
+            figure.write(path)
+        return figure
 
     def __str__(self) -> str:
         return self.to_text()
 
+    def __repr__(self) -> str:
+        return f"<Sweep of {self.model}: {self._in_words}>"
+
     def _repr_html_(self) -> str:
-        return preformatted(self.to_text())
+        campaign = self.campaign
+        names, properties, cells = _cells(campaign)
+        rows = [_cell_row(names, each) for each in cells[:_MOST_SHOWN]]
+        table = html_table([*names, *properties, "states", "seconds"], rows, f"{self.model}: {_heading(campaign)}")
+        left_out = len(cells) - _MOST_SHOWN
+        more = [f"{left_out} more rows: to_frame() has them"] if left_out > 0 else []
+        return f"{table}\n{preformatted(chr(10).join((*more, *_summary(campaign))))}"
+
+    @property
+    def _in_words(self) -> str:
+        found = "; ".join(line for line in _summary(self.campaign) if not line.startswith(" "))
+        return f"{self.campaign.cells} cells{f', {found}' if found else ''}"

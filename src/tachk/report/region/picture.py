@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import product
-from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -22,7 +21,6 @@ from matplotlib.patches import Rectangle
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.report.answer_marks import evenly_labelled, legend_of, mark_of
-from tachk.report.figure_files import write_figure
 from tachk.report.region.words import effort, inequalities, summary
 from tachk.verify.synthesis.parameters import VariedConstant
 from tachk.verify.synthesis.region import CellEvidence, Region, RegionCell
@@ -30,16 +28,8 @@ from tachk.verify.verdict import Answer
 
 _MOST_MAPS = 12
 _BORDER = "#22223b"
-_STYLE = {"hatch.linewidth": 0.5}
+STYLE = {"hatch.linewidth": 0.5}
 _LINE = 0.19
-
-
-def plot_region(region: Region, path: str | Path) -> None:
-    """Writes the picture of a region.
-
-    Raises UsageError for an unknown format, and where a region has more maps than one picture can show.
-    """
-    write_figure(path, lambda: draw_region(region), _STYLE)
 
 
 def draw_region(region: Region) -> Figure:

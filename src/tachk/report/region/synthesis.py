@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from tachk.base.preformatted import preformatted
+from tachk.base.frames import data_frame
+from tachk.base.notebook import folded, html_table, preformatted
 from tachk.base.whole_files import whole_bytes
 from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.report.json_report import Json
@@ -15,6 +17,9 @@ from tachk.report.region.json import Row, region_to_json, row_of
 from tachk.report.region.words import assignment, effort, evidence, inequalities, knowledge, summary
 from tachk.verify.synthesis.region import Region, RegionCell
 from tachk.verify.verdict import Answer
+
+if TYPE_CHECKING:
+    from tachk.report.figure_files import DrawnFigure
 
 _LETTERS = {Answer.HOLDS: "#", Answer.FAILS: ".", Answer.UNKNOWN: "?"}
 _MOST_GRIDS = 12
@@ -35,22 +40,37 @@ def _lines(region: Region, time_unit: str, every_corner: bool) -> Iterator[str]:
         yield f"  {name:<{width}}  {words}"
     yield ""
     yield from _grids(region)
-    yield f"{summary(region)}."
-    yield from _description(region)
-    yield from _unknown(region)
-    corners = region.corners
+    yield from _result_lines(region)
+    corners = _corner_lines(region, time_unit, every_corner)
     if corners:
         yield ""
         yield "Corners of the border:"
-        shown = corners if every_corner else corners[:_MOST_CORNERS]
-        values = [assignment(region, cell) for cell in shown]
-        width = max(map(len, values))
-        for cell, text in zip(shown, values, strict=True):
-            yield f"  {text:<{width}}  {cell.answer.value}: {evidence(region, cell, time_unit)}"
-        if len(shown) < len(corners):
-            yield f"  and {len(corners) - len(shown)} more: --all-corners"
+        yield from (f"  {line}" for line in corners)
     yield ""
     yield f"{effort(region)}"
+
+
+def _result_lines(region: Region) -> Iterator[str]:
+    yield f"{summary(region)}."
+    yield from _description(region)
+    yield from _unknown(region)
+
+
+def _corner_lines(region: Region, time_unit: str, every_corner: bool) -> list[str]:
+    """The corners of the border with their evidence, or the first of them."""
+    corners = region.corners
+    shown = corners if every_corner else corners[:_MOST_CORNERS]
+    values = [assignment(region, cell) for cell in shown]
+    width = max(map(len, values), default=0)
+    lines = [
+        f"{text:<{width}}  {cell.answer.value}: {evidence(region, cell, time_unit)}"
+        for cell, text in zip(shown, values, strict=True)
+    ]
+    return [*lines, *([f"and {len(corners) - len(shown)} more: --all-corners"] if len(shown) < len(corners) else [])]
+
+
+def _counted(number: int, one: str) -> str:
+    return f"{number} {one}" if number == 1 else f"{number} {one}s"
 
 
 def _description(region: Region) -> Iterator[str]:
@@ -161,17 +181,37 @@ class Synthesis:
                 written.append(path)
         return written
 
-    def plot(self, path: str | Path) -> None:
-        """Draws the region. Raises UsageError if the path does not end in .svg, .png or .pdf."""
-        from tachk.report.region.picture import plot_region
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
 
-        plot_region(self.region, path)
+    def plot(self, path: str | Path | None = None) -> DrawnFigure:
+        """Draws the region. A notebook shows the result.
+
+        Args:
+            path: a file to write. Raises UsageError if it does not end in .svg, .png or .pdf.
+        """
+        from tachk.report.figure_files import DrawnFigure
+        from tachk.report.region.picture import STYLE, draw_region
+
+        figure = DrawnFigure(lambda: draw_region(self.region), STYLE)
+        if path is not None:
+            figure.write(path)
+        return figure
 
     def __str__(self) -> str:
         return self.to_text()
 
     def _repr_html_(self) -> str:
-        return preformatted(self.to_text())
+        region = self.region
+        rows = [(name, words) for name, words in knowledge(region)]
+        text = "".join(f"{line}\n" for line in (*_grids(region), *_result_lines(region)))
+        corners = _corner_lines(region, self.time_unit, every_corner=True)
+        title = f"{region.model}: {region.query.name}"
+        parts = [html_table(["constant", "what is known of it"], rows, title), preformatted(text)]
+        if corners:
+            parts.append(folded(f"{_counted(len(region.corners), 'corner')} of the border", "\n".join(corners)))
+        return "\n".join([*parts, preformatted(effort(region))])
 
     def __repr__(self) -> str:
         return f"<Synthesis on {self.region.model}: {summary(self.region)}>"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html import escape
 
-from tachk.base.preformatted import preformatted
+from tachk.base.notebook import preformatted
 from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, view_trace
 from tachk.model.network import Network
 from tachk.report.run.display import RunDisplay

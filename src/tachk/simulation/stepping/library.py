@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
+from tachk.base.diagnostics.render import render
+from tachk.base.frames import data_frame
+from tachk.base.notebook import html_table, preformatted
 from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.formats.loading.load import load_model
-from tachk.meaning.run_view import RunNames, Snapshot, TraceView, view_trace
+from tachk.meaning.run_view import RunNames, Snapshot, TraceView, TransitionView, view_trace
 from tachk.model.network import Network
+from tachk.model.quantity import decimal
 from tachk.model.run import TimedTrace
 from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns, columns_for
@@ -30,6 +34,9 @@ from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import run_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.times import parsed_time_bound
+
+_MOST_SHOWN = 20
+"""Rows of a table in a notebook."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +69,24 @@ class DrawnRun:
         """``time`` and every column, for `pandas.DataFrame` and the like."""
         return {"time": self.times, **{name: self[name] for name in self.trace.columns}}
 
+    def to_rows(self) -> list[dict[str, Any]]:
+        """A row for each time at which a column changes, and one for the end."""
+        return _rows(self.to_columns())
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_columns())
+
+    def __repr__(self) -> str:
+        return f"<run {self.number}: {self.transitions} transitions until {decimal(self.end)}, {self.ending}>"
+
+    def _repr_html_(self) -> str:
+        columns = self.to_columns()
+        rows = [list(row.values()) for row in _rows({name: all_[:_MOST_SHOWN] for name, all_ in columns.items()})]
+        left_out = self.trace.rows - _MOST_SHOWN
+        more = f"; {left_out} more rows: to_frame() has them" if left_out > 0 else ""
+        return html_table(list(columns), rows, f"{self!r}"[1:-1] + more)
+
 
 @dataclass(frozen=True, slots=True)
 class Simulation(Sequence[DrawnRun]):
@@ -89,8 +114,32 @@ class Simulation(Sequence[DrawnRun]):
         joined = {name: np.concatenate([part[name] for part in parts]) for name in (parts[0] if parts else ())}
         return {"run": np.concatenate(numbers) if numbers else np.empty(0, dtype=np.int64), **joined}
 
+    def to_rows(self) -> list[dict[str, Any]]:
+        """A row for each run and each time at which one of its columns changes."""
+        return _rows(self.to_columns())
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_columns())
+
     def __repr__(self) -> str:
         return f"<{len(self.runs)} {'run' if len(self.runs) == 1 else 'runs'}>"
+
+    def _repr_html_(self) -> str:
+        columns = ("run", "ending", "end", "transitions", "rows")
+        rows = [
+            (run.number, str(run.ending), decimal(run.end), run.transitions, run.trace.rows)
+            for run in self.runs[:_MOST_SHOWN]
+        ]
+        left_out = len(self.runs) - _MOST_SHOWN
+        caption = f"{self!r}"[1:-1] + (f"; {left_out} more than are shown" if left_out > 0 else "")
+        return html_table(columns, rows, caption)
+
+
+def _rows(columns: Mapping[str, NDArray[Any]]) -> list[dict[str, Any]]:
+    """A dictionary for each row of columns, with Python's own numbers."""
+    lists = [column.tolist() for column in columns.values()]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
 
 
 def drawn_runs(
@@ -110,11 +159,13 @@ def drawn_runs(
 
 
 def column_of(trace: Trace, name: str) -> NDArray[Any]:
-    """A column with values as scripts want them. Raises KeyError."""
+    """A column with values as scripts want them: numbers of a model that are whole are integers. Raises KeyError."""
     values = trace.columns[name]
     if name in trace.texts:
         return np.array(trace.labels, dtype=object)[values.astype(np.int64)]
-    return values.astype(bool) if values.dtype.kind == "u" else values
+    if values.dtype.kind == "u":
+        return values.astype(bool)
+    return values if name in trace.floating else values.astype(np.int64)
 
 
 class HasNetwork(Protocol):
@@ -164,6 +215,47 @@ class Replay:
         """The run as `tachk step` saves it."""
         return run_text(self.names, self.trace)
 
+    def to_rows(self) -> list[dict[str, Any]]:
+        """A row for the start and for each step: its time, what happens, the locations, the variables and the clocks
+        after it. Times and clocks are floating-point numbers here."""
+        view = self.view
+        events = ["", *(_event_text(step.event) for step in view.steps)]
+        return [
+            {
+                "step": number,
+                "time": float(state.time or 0),
+                "transition": event,
+                **dict(state.locations),
+                **dict(state.variables),
+                **{name: float(value) for name, value in state.clocks or ()},
+            }
+            for number, (state, event) in enumerate(zip(self.states, events, strict=True))
+        ]
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
+
+    def __repr__(self) -> str:
+        found = "all of it is a run" if self.refusal is None else self.refusal.message
+        return f"<Replay of {len(self)} {'step' if len(self) == 1 else 'steps'}: {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = self.to_rows()
+        table = html_table(list(rows[0]), [list(row.values()) for row in rows], f"{self!r}"[1:-1])
+        return table if self.refusal is None else f"{table}\n{preformatted(render(self.refusal))}"
+
+
+def _network_of(model: HasNetwork | str | os.PathLike[str]) -> Network:
+    return load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
+
+
+def _event_text(event: TransitionView | None) -> str:
+    if event is None:
+        return "time passes"
+    moves = ", ".join(f"{move.process}: {move.source} → {move.target}" for move in event.moves)
+    return f"{event.channel}!  {moves}" if event.channel else moves
+
 
 @checked_arguments
 def simulate(
@@ -195,7 +287,7 @@ def simulate(
         UsageError: an argument has no meaning.
         UnsupportedError: something in the model cannot be simulated.
     """
-    network = load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
+    network = _network_of(model)
     if policy not in {known.value for known in Policy}:
         raise UsageError(f"there is no policy {policy!r}", f"one of {', '.join(Policy)}")
     if runs < 1 or first < 0 or threads < 1:
@@ -207,10 +299,13 @@ def simulate(
 
 
 @checked_arguments
-def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None = None) -> Replay:
+def replay(
+    model: HasNetwork | str | os.PathLike[str], run: str | os.PathLike[str], property: str | None = None
+) -> Replay:
     """Executes a run on a model, by the semantics that judges counterexamples.
 
     Args:
+        model: such as `tachk.load` gives it, or the path of one.
         run: a file: a report of `tachk verify --format json`, or a run as `tachk step` and `tachk simulate` write it.
         property: of a report with several runs, the one about this property.
 
@@ -220,8 +315,9 @@ def replay(model: HasNetwork, run: str | os.PathLike[str], property: str | None 
         InputError: a line of the file is not understood.
         UsageError: the file cannot be read, or holds no run.
     """
-    check_determined(model.network)
-    names = RunNames(model.network)
+    network = _network_of(model)
+    check_determined(network)
+    names = RunNames(network)
     replayed = replay_submitted(names, read_submitted(Path(run), property))
     rejection = None if replayed.refusal is None else rejection_diagnostic(replayed.refusal)
     return Replay(names, replayed.trace, rejection)

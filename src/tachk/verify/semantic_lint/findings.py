@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, by_place
-from tachk.base.preformatted import preformatted
 from tachk.engine.outcome import Statistics
 from tachk.model.run import TimedTrace
 
@@ -79,9 +78,6 @@ class DeepCheck:
     def __repr__(self) -> str:
         extent = f"{self.statistics.states_stored} states, then {self.reason}" if self.reason else "all states"
         return f"<DeepCheck of {extent}, findings: {counted(self.findings)}>"
-
-    def _repr_html_(self) -> str:
-        return preformatted(str(self))
 
 
 def counted(findings: tuple[Diagnostic, ...]) -> str:
