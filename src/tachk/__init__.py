@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         random_network,
     )
     from tachk.api.monitoring import MonitorReport, monitor
+    from tachk.model.builder import NetworkBuilder
     from tachk.recordings.monitors.online import Monitor
     from tachk.recordings.traces.node_signal import Truth
     from tachk.simulation.stepping.library import replay, simulate
@@ -51,6 +52,7 @@ __all__ = [
     "Model",
     "Monitor",
     "MonitorReport",
+    "NetworkBuilder",
     "Options",
     "Report",
     "SearchOrder",
@@ -81,6 +83,7 @@ _HOMES = {
     **dict.fromkeys(("Clock", "SteppedClock", "WallClock"), "tachk.xrce.bridge.clock"),
     "Monitor": "tachk.recordings.monitors.online",
     "MonitorReport": "tachk.api.monitoring",
+    "NetworkBuilder": "tachk.model.builder",
     "Truth": "tachk.recordings.traces.node_signal",
     "measure": "tachk.xrce.measuring.measure",
     "mine": "tachk.api.mining",

@@ -53,6 +53,7 @@ LIBRARIES = {
         "verify",
         "xrce",
     },
+    "pandas": {"base"},
     "pyarrow": {"recordings.traces", "report.campaign", "simulation", "xrce"},
     "referencing": {"formats"},
     "rosbags": {"recordings.traces.logs"},

@@ -38,8 +38,8 @@ from tachk.verify.verdict import Answer, Verdict
 if TYPE_CHECKING:
     from tachk.engine.outcome import Statistics
     from tachk.model.grid import Grid
-    from tachk.recordings.conformance.conform import Conformance
     from tachk.report.campaign.table import Sweep
+    from tachk.report.conformance.result import ConformanceReport
     from tachk.report.deep_report import DeepCheckReport
     from tachk.report.drawing.svg import Picture
     from tachk.report.region.synthesis import Synthesis
@@ -109,7 +109,7 @@ def conform(
     limits: Limits | None = None,
     applications: Iterable[str | os.PathLike[str]] = (),
     explain: str = "short",
-) -> Conformance:
+) -> ConformanceReport:
     """Checks if a recording of the real system is a run of a model; its ``recording { ... }`` says how to read it.
 
     Args:
@@ -129,6 +129,7 @@ def conform(
     from tachk.formats.loading.recorded_models import recorded_model
     from tachk.recordings.conformance.conform_file import conform_file
     from tachk.recordings.conformance.question import ExplanationDetail, Question
+    from tachk.report.conformance.result import ConformanceReport
 
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
@@ -136,7 +137,8 @@ def conform(
         raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(ExplanationDetail)}")
     logs = tuple(os.fspath(each) for each in applications)
     requested = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
-    return conform_file(model.loaded, model.path, os.fspath(recording), requested, limits or Limits())
+    found = conform_file(model.loaded, model.path, os.fspath(recording), requested, limits or Limits())
+    return ConformanceReport.of(found, model.path)
 
 
 @checked_arguments
@@ -173,8 +175,8 @@ def draw(model: Model | str | os.PathLike[str], template: str | None = None) -> 
 
 
 @checked_arguments
-def export(model: Model, format: str, observers: bool = True) -> str:
-    """A model as text for another program.
+def export(model: Model | str | os.PathLike[str], format: str, observers: bool = True) -> str:
+    """A model, or that of a path, as text for another program.
 
     Args:
         format: such as ``xml`` or ``tchecker``: one of `tachk.formats.catalogue.EXPORT_FORMATS`.
@@ -189,6 +191,7 @@ def export(model: Model, format: str, observers: bool = True) -> str:
 
     if format not in EXPORT_FORMATS:
         raise UsageError(f"there is no format {format!r}", f"one of {', '.join(EXPORT_FORMATS)}")
+    model = model if isinstance(model, Model) else load(model)
     return export_model(model._written, format, Writing(model.definitions, observers=observers)).text
 
 

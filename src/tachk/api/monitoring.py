@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any, overload
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
+from tachk.base.frames import data_frame
 from tachk.recordings.monitors.formulas import (
     NamedFormula,
     check_order,
+    model_formulas,
     names_file,
 )
 from tachk.recordings.monitors.offline import ending_of, evaluate_formulas, formulas_of, interpolation_of, selected
@@ -28,6 +30,7 @@ from tachk.report.monitor.text import print_monitor
 from tachk.report.plain_console import plain_console
 
 if TYPE_CHECKING:
+    from tachk.api.model import Model
     from tachk.report.json_report import Json
     from tachk.report.monitor.formula_signals import FormulaSignal
     from tachk.report.monitor.signal_plot import Plot
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
 
 @checked_arguments
 def monitor(
-    formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+    formula: Model | str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
     trace: Any,
     *,
     time: str | None = None,
@@ -54,7 +57,7 @@ def monitor(
 
     Args:
         formula: a formula (``"G (p -> F[0, 5 s] q)"``), a sentence, several of them, the path of a file of formulas
-            (``.stl``), or of a model, whose formulas and sentences are taken.
+            (``.stl``), or a model or its path, whose formulas and sentences are taken.
         trace: the path of a file in one of the formats of `tachk.recordings.traces.trace_files`, such as CSV; a data
             frame, or a mapping from names to arrays.
         time: the name of the time column, where it is not ``time``, ``t`` or ``timestamp``.
@@ -78,11 +81,24 @@ def monitor(
     """
     ending = ending_of(end)
     check_order(formula, trace)
-    formulas = selected(formulas_of(formula, constants), select)
+    formulas = selected(_formulas(formula, constants), select)
     evaluation = EvaluationOptions(ending, interpolation_of(interpolation), robustness, time_robustness)
     recording = with_decimals(open_trace(trace, time, unit, ports, run), decimals)
     source = os.fspath(formula) if isinstance(formula, (str, os.PathLike)) and names_file(formula) else ""
     return MonitorReport(evaluate_formulas(formulas, recording, evaluation, source))
+
+
+def _formulas(
+    given: Model | str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+    constants: Mapping[str, str | float | Fraction] | None,
+) -> tuple[NamedFormula, ...]:
+    """Those of a model have its constants as it was loaded."""
+    if isinstance(given, str | os.PathLike | Sequence):
+        return formulas_of(given, constants)
+    loaded = given.loaded
+    values = {name: value.span.text for name, value in loaded.overrides.items()}
+    values |= {name: str(value) for name, value in (constants or {}).items()}
+    return model_formulas(loaded.document.span.source, values)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +165,10 @@ class MonitorReport(Sequence[MonitorVerdict]):
                 }
             )
         return rows
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
 
     def violation_rows(self) -> list[Mapping[str, str | float | None]]:
         """One flat dictionary for each violation of each formula, in the order of time: what `pandas.DataFrame` takes.

@@ -282,9 +282,7 @@ class Stepper:
             step = here.steps[position - 1]
             text = "time passes"
             if step.transition is not None:
-                event = self._names.event(here.at(position - 1).state.discrete, step.transition)
-                moves = ", ".join(f"{move.process}: {move.source} → {move.target}" for move in event.moves)
-                text = f"{event.channel}!  {moves}" if event.channel else moves
+                text = str(self._names.event(here.at(position - 1).state.discrete, step.transition))
             mark = "→" if position == here.position else " "
             yield f"{mark}{position:5}  {decimal(step.state.time)}  {text}"
 

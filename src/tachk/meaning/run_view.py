@@ -87,6 +87,11 @@ class TransitionView:
     moves: tuple[ProcessMove, ...]
     payload: tuple[tuple[str, int], ...] = ()
 
+    def __str__(self) -> str:
+        """``c!  P: a → b, Q: x → y``"""
+        moves = ", ".join(f"{move.process}: {move.source} → {move.target}" for move in self.moves)
+        return f"{self.channel}!  {moves}" if self.channel else moves
+
 
 @dataclass(frozen=True, slots=True)
 class ViewStep:
@@ -133,6 +138,23 @@ class TraceView:
 def _shown_event(event: TransitionView) -> TransitionView:
     shown = tuple(move for move in event.moves if not move.hidden or move.news)
     return replace(event, moves=shown or event.moves)
+
+
+def rows_of_run(view: TraceView) -> list[dict[str, object]]:
+    """A row for the start and for each step, as data frames have them: times and clocks are floating-point numbers."""
+    events = ["", *("time passes" if step.event is None else str(step.event) for step in view.steps)]
+    states = (view.initial, *(step.state for step in view.steps))
+    return [
+        {
+            "step": number,
+            "time": None if state.time is None else float(state.time),
+            "transition": event,
+            **dict(state.locations),
+            **dict(state.variables),
+            **{name: float(value) for name, value in state.clocks or ()},
+        }
+        for number, (state, event) in enumerate(zip(states, events, strict=True))
+    ]
 
 
 def view_trace(network: Network, trace: TimedTrace) -> TraceView:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
+from tachk.base.frames import data_frame
 from tachk.base.records import dataclass
 from tachk.report.record import RunRecord
 from tachk.verify.verdict import Verdict
@@ -109,6 +110,10 @@ class Report(Sequence[Verdict]):
             for answer in self.record.estimates
         )
         return rows
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:
         """The output of `tachk verify`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from enum import StrEnum
+from importlib import import_module
 
 from tachk.base.records import dataclass
 from tachk.base.span import Span
@@ -88,6 +89,9 @@ class InputError(TachkError):
         self.diagnostics = tuple(diagnostics)
         super().__init__("; ".join(f"{d.span}: {d.code}: {d.message}{_advice(d.help)}" for d in self.diagnostics))
 
+    def _render_traceback_(self) -> list[str]:
+        return _in_notebook(self, self.diagnostics)
+
 
 class UnsupportedError(TachkError):
     """The model is legal but uses a feature that the requested analysis cannot decide."""
@@ -95,6 +99,9 @@ class UnsupportedError(TachkError):
     def __init__(self, diagnostic: Diagnostic) -> None:
         self.diagnostic = diagnostic
         super().__init__(f"{diagnostic.span}: {diagnostic.code}: {diagnostic.message}{_advice(diagnostic.help)}")
+
+    def _render_traceback_(self) -> list[str]:
+        return _in_notebook(self, (self.diagnostic,))
 
 
 class UsageError(TachkError):
@@ -104,6 +111,15 @@ class UsageError(TachkError):
         self.message = message
         self.help = help
         super().__init__(f"{message}{_advice(help)}")
+
+    def _render_traceback_(self) -> list[str]:
+        return [f"{type(self).__name__}: {self.message}", *([f"help: {self.help}"] if self.help else [])]
+
+
+def _in_notebook(error: TachkError, diagnostics: Iterable[Diagnostic]) -> list[str]:
+    """What IPython shows of an error: source lines of the user, no lines of tachk."""
+    rendered = import_module("tachk.base.diagnostics.render")  # which knows diagnostics
+    return [f"{type(error).__name__}:", *(line for each in diagnostics for line in rendered.render(each).splitlines())]
 
 
 def _advice(help: str | None) -> str:

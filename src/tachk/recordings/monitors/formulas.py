@@ -195,7 +195,7 @@ def formulas_in(source: Source, definitions: Mapping[str, str] | None = None) ->
     if source.name == _TYPED:
         return defined(_text_formulas(source.text), values)
     if Path(source.name).suffix.lower() in MODEL_SUFFIXES:
-        return _model_formulas(source, values)
+        return model_formulas(source, values)
     return _defined_in_file(_file_formulas(source, values), values)
 
 
@@ -409,7 +409,8 @@ def _sentence(name: str, title: str, span: Span) -> NamedFormula | tuple[Diagnos
 # ---- models -------------------------------------------------------------------------------------------------------
 
 
-def _model_formulas(source: Source, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
+def model_formulas(source: Source, definitions: Mapping[str, str]) -> tuple[NamedFormula, ...]:
+    """The temporal properties of the text of a model. Raises as `read_formulas`."""
     items, unit, constants = _stated(source, definitions)
     read: list[NamedFormula | tuple[Diagnostic, ...]] = []
     for item in items:

@@ -35,7 +35,7 @@ def _answer(found: Conformance) -> dict[str, Any]:
 
     plain = PlainData(
         {
-            Conformance: Fields(
+            type(found): Fields(
                 "recording=recording.source accepted reason tolerance late time_unit events other_events=streams.other "
                 "states=statistics.states_stored seconds=statistics.seconds refusal edit untried_edits=untried "
                 "left_out",

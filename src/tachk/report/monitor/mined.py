@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
+from tachk.base.frames import data_frame
+from tachk.base.notebook import folded, html_table
 from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import decimal
 from tachk.recordings.monitors.mined import Mined
@@ -26,7 +29,42 @@ class MiningReport(Mined):
         """The output of `tachk monitor --find`."""
         return "".join(f"{line}\n" for line in self._lines())
 
+    def to_rows(self) -> list[dict[str, str | float | bool | None]]:
+        """A row for each trace: the tightest value with which it alone satisfies the formula, None where there is
+        none, and whether that value itself does."""
+        return [
+            {
+                "trace": each.trace,
+                "parameter": self.parameter,
+                "value": None if each.value is None else float(each.value),
+                "attained": each.attained,
+            }
+            for each in self.traces
+        ]
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
+
     __str__ = to_text
+
+    def __repr__(self) -> str:
+        return f"<MiningReport {self.name}: {self._summary}>"
+
+    def _repr_html_(self) -> str:
+        rows = [list(row.values()) for row in self.to_rows()]
+        table = html_table(["trace", "parameter", "value", "attained"], rows, f"{self.formula}: {self._summary}")
+        return f"{table}\n{folded('in words', self.to_text())}"
+
+    @property
+    def _summary(self) -> str:
+        if self.tightest is not None and self.value is not None:
+            beyond = ">" if self.tightest == "least" else "<"
+            value = _text(self.value)
+            found = f"{self.tightest} {self.parameter} = {value}"
+            return found if self.attained else f"{self.parameter} {beyond} {value}"
+        found = ", ".join(f"{_text(low)} to {_text(high)}" for low, high in self.ranges)
+        return f"{self.parameter}: {found or 'no value'}"
 
     def _lines(self) -> Iterator[str]:
         yield f"{self.name}: {self.formula}"

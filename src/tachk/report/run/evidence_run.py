@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from html import escape
+from typing import Any
 
+from tachk.base.frames import data_frame
 from tachk.base.notebook import preformatted
-from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, view_trace
+from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, rows_of_run, view_trace
 from tachk.model.network import Network
 from tachk.report.run.display import RunDisplay
 from tachk.report.text_report import evidence_text
@@ -49,6 +51,15 @@ class Run:
             every_step: print also repeated rounds step by step, and the steps that the model hides.
         """
         return evidence_text(self.network, self.verdict, RunDisplay(clocks, every_step))
+
+    def to_rows(self) -> list[dict[str, Any]]:
+        """A row for the start and for each step: its time, what happens, the locations, the variables and the clocks
+        after it. Times and clocks are floating-point numbers here."""
+        return rows_of_run(self.view)
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
 
     def __len__(self) -> int:
         assert self.verdict.trace is not None

@@ -20,7 +20,7 @@ from tachk.base.notebook import html_table, preformatted
 from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.formats.loading.load import load_model
-from tachk.meaning.run_view import RunNames, Snapshot, TraceView, TransitionView, view_trace
+from tachk.meaning.run_view import RunNames, Snapshot, TraceView, rows_of_run, view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import decimal
 from tachk.model.run import TimedTrace
@@ -218,19 +218,7 @@ class Replay:
     def to_rows(self) -> list[dict[str, Any]]:
         """A row for the start and for each step: its time, what happens, the locations, the variables and the clocks
         after it. Times and clocks are floating-point numbers here."""
-        view = self.view
-        events = ["", *(_event_text(step.event) for step in view.steps)]
-        return [
-            {
-                "step": number,
-                "time": float(state.time or 0),
-                "transition": event,
-                **dict(state.locations),
-                **dict(state.variables),
-                **{name: float(value) for name, value in state.clocks or ()},
-            }
-            for number, (state, event) in enumerate(zip(self.states, events, strict=True))
-        ]
+        return rows_of_run(self.view)
 
     def to_frame(self) -> Any:
         """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
@@ -248,13 +236,6 @@ class Replay:
 
 def _network_of(model: HasNetwork | str | os.PathLike[str]) -> Network:
     return load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
-
-
-def _event_text(event: TransitionView | None) -> str:
-    if event is None:
-        return "time passes"
-    moves = ", ".join(f"{move.process}: {move.source} → {move.target}" for move in event.moves)
-    return f"{event.channel}!  {moves}" if event.channel else moves
 
 
 @checked_arguments

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.frames import data_frame
+from tachk.base.notebook import folded, html_table
 from tachk.base.records import dataclass
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Beat, Conversation, SentMessage, conversations
@@ -46,6 +49,46 @@ class Measurement:
     settings: tuple[Setting, ...]
     recorded: tuple[Setting, ...] = ()
     problems: tuple[str, ...] = ()
+
+    def to_rows(self) -> list[dict[str, str | int | float | None]]:
+        """A row for each quantity, also for those that no capture shows."""
+        return [
+            {
+                "name": each.name,
+                "value": each.value,
+                "unit": each.unit.value,
+                "min": each.minimum,
+                "median": each.median,
+                "max": each.maximum,
+                "seen": len(each.samples),
+                "confidence": each.confidence.value,
+                "what": each.title,
+            }
+            for each in self.quantities
+        ]
+
+    def to_frame(self) -> Any:
+        """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        return data_frame(self.to_rows())
+
+    def __repr__(self) -> str:
+        seen = sum(bool(each.samples) for each in self.quantities)
+        return f"<Measurement of {', '.join(self.files)}: {seen} of {len(self.quantities)} quantities seen>"
+
+    def _repr_html_(self) -> str:
+        rows = [list(row.values())[1:] for row in self.to_rows() if row["seen"]]
+        unseen = [f"{each.title}: {each.how}" for each in self.quantities if not each.samples]
+        settings = [
+            f"{each.name} = {each.in_units(1):g}    {each.confidence.value}: {each.how}" for each in self.settings
+        ]
+        columns = ("value", "unit", "min", "median", "max", "seen", "confidence", "what")
+        return "\n".join(
+            [
+                html_table(columns, rows, f"{self!r}"[1:-1]),
+                folded("settings of a model, in ms", "\n".join(settings)),
+                folded("not enough evidence", "\n".join((*self.problems, *unseen))),
+            ]
+        )
 
     def quantity(self, name: str) -> Quantity:
         """Raises KeyError."""
