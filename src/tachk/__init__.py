@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from tachk.model.builder import NetworkBuilder
     from tachk.recordings.monitors.online import Monitor
     from tachk.recordings.traces.node_signal import Truth
+    from tachk.recordings.traces.trace_files import open_trace
     from tachk.simulation.stepping.library import replay, simulate
     from tachk.xrce.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.xrce.measuring.measure import measure
@@ -73,6 +74,7 @@ __all__ = [
     "measure",
     "mine",
     "monitor",
+    "open_trace",
     "random_network",
     "replay",
     "simulate",
@@ -88,6 +90,7 @@ _HOMES = {
     "measure": "tachk.xrce.measuring.measure",
     "mine": "tachk.api.mining",
     "monitor": "tachk.api.monitoring",
+    "open_trace": "tachk.recordings.traces.trace_files",
     "replay": "tachk.simulation.stepping.library",
     "simulate": "tachk.simulation.stepping.library",
 }
