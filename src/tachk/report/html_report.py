@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from tachk.base.notebook import CAPTION, PRE
 from tachk.base.resources import template_text
 from tachk.model.quantity import grouped, seconds
 from tachk.report.extreme_text import answer_text
@@ -38,6 +39,8 @@ def run_to_html(record: RunRecord) -> str:
         estimates=_estimates(record),
         runs=runs,
         colours=_COLOURS,
+        caption=CAPTION,
+        pre=PRE,
         count=grouped,
         seconds=seconds,
     )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
+from tachk.base.notebook import CAPTION
 from tachk.base.resources import template_text
 from tachk.model.quantity import grouped
 from tachk.recordings.monitors.record import MonitorRecord, clock_text
 from tachk.recordings.traces.node_signal import Truth
-from tachk.report.monitor.text import answer_text, robustness_text
+from tachk.report.monitor.text import answer_text, finite_robustness_text, is_quantitative
 from tachk.report.monitor.words import explain_verdict
 
 _COLOURS = {Truth.TRUE: "green", Truth.FALSE: "firebrick", Truth.UNDETERMINED: "darkorange"}
@@ -22,10 +23,12 @@ def monitor_to_html(record: MonitorRecord) -> str:
     return template.render(
         record=record,
         colours=_COLOURS,
+        caption=CAPTION,
+        columns=["name", "formula", "verdict", *(["robustness"] if is_quantitative(record) else ()), "what happened"],
         rows=grouped(trace.rows),
         begin=clock_text(trace, 0),
         end=clock_text(trace, trace.end),
         answer=answer_text,
-        robustness=robustness_text,
+        robustness=finite_robustness_text,
         explain=lambda verdict: explain_verdict(record, verdict),
     )

@@ -100,6 +100,16 @@ def answer_text(verdict: MonitorVerdict) -> str:
     return f"{verdict.truth.word} (nothing triggered)" if verdict.vacuous else verdict.truth.word
 
 
+def is_quantitative(record: MonitorRecord) -> bool:
+    """Whether the robustness of some verdict says more than its truth."""
+    return any(finite_robustness_text(verdict.robustness) for verdict in record.verdicts)
+
+
+def finite_robustness_text(robustness: tuple[float, float] | None) -> str:
+    """As `robustness_text`; empty for the two infinities, which a formula without numbers has."""
+    return "" if robustness is None or all(map(math.isinf, robustness)) else robustness_text(robustness)
+
+
 def robustness_text(robustness: tuple[float, float] | None) -> str:
     """A number where the interval is one, else the interval: ``2.5``, ``-inf .. 0.5``."""
     if robustness is None:
@@ -120,7 +130,7 @@ _MILLISECONDS = 1000
 
 def _table(record: MonitorRecord) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=True, header_style="dim")
-    quantitative = any(v.robustness is not None and not all(map(math.isinf, v.robustness)) for v in record.verdicts)
+    quantitative = is_quantitative(record)
     table.add_column("  formula", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     if quantitative:
