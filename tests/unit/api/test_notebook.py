@@ -54,7 +54,7 @@ def test_a_query_that_is_not_checked_is_in_the_table() -> None:
 
 def test_a_probability_is_in_the_table() -> None:
     model = tachk.loads("process P() { init location a; } system P; property s : Pr[<=10](<> P.a);")
-    assert "<td>0.9245 to 1.0000</td>" in model.verify()._repr_html_()
+    assert ">0.9245 to 1.0000</td>" in model.verify()._repr_html_()
 
 
 def test_a_run_is_reported_by_names(report: tachk.Report) -> None:
