@@ -32,7 +32,7 @@ from tachk.simulation.stepping.run_file import read_run_file, run_text, step_lin
 from tachk.simulation.stepping.session import NotPossibleError, Session
 from tachk.simulation.stepping.submitted import SubmittedRun
 from tachk.simulation.tally import Tally, take_run, take_until_stopped
-from tachk.simulation.times import horizon_of
+from tachk.simulation.times import parsed_time_bound
 
 _RUN_TEXT = "<run>"
 _CONFIDENCE = 0.95
@@ -44,7 +44,7 @@ def simulate(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
     network = model.network
     constants = arguments.get("constants", {})
     formulas = formulas_for(arguments.get("formula"), network, constants)
-    until = horizon_of(str(arguments.get("until", 100)), network.time_unit)
+    until = parsed_time_bound(str(arguments.get("until", 100)), network.time_unit)
     wanted = with_faults(network, read_plan(arguments.get("faults", ())))
     columns = columns_with(network, (), formulas)
     runs = Runs(wanted.network, columns, [*wanted.done.values(), *wanted.missed.values()])
@@ -58,26 +58,26 @@ def simulate(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
         _CONFIDENCE,
     )
     drawing = SimulationOptions(heading.seed, until.ticks, Policy(heading.policy), None, 1, until.ticks_per_unit)
-    kept: list[Simulated] = []
+    shown_runs: list[Simulated] = []
     shown = arguments.get("show", 1)
 
     def keep(run: Simulated, _: Runs) -> None:
-        if len(kept) < shown:
-            kept.append(run)
+        if len(shown_runs) < shown:
+            shown_runs.append(run)
 
     tally = Tally()
     drawn = runs.draw(drawing, range(heading.runs), RecordedChanges(shown > 0, bool(formulas or wanted.done)))
     take_until_stopped(drawn, partial(take_run, runs, formulas, wanted, tally, keep, False), tally)
-    found = [_drawn_run(model, run, constants, not arguments.get("faults")) for run in kept]
+    found = [_drawn_run(model, run, constants, not arguments.get("faults")) for run in shown_runs]
     result = {
         "totals": tally_to_json(heading, tally, {each.name: each.text for each in formulas}),
         "runs": [
             {"number": run.number, "ending": run.ending.value, "steps": text}
-            for run, (text, _) in zip(kept, found, strict=True)
+            for run, (text, _) in zip(shown_runs, found, strict=True)
         ],
     }
     lines = list(tally_lines(heading, tally))
-    texts = [f"run {run.number}:\n{text}" for run, (text, _) in zip(kept, found, strict=True)]
+    texts = [f"run {run.number}:\n{text}" for run, (text, _) in zip(shown_runs, found, strict=True)]
     notes = [render(each) for each in (*model.refusals, *model.warnings)]
     return answer(lines[0], result, "\n".join([*lines[1:], "", *texts]), [each for _, each in found], limits, notes)
 

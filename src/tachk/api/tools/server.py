@@ -6,6 +6,9 @@ process, and the server goes on. This is the only module that uses the SDK.
 
 from __future__ import annotations
 
+import asyncio
+import signal
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -43,8 +46,19 @@ async def _serve(ceilings: ToolLimits) -> None:
         on_list_tools=partial(_list_tools, ceilings),
         on_call_tool=partial(_call_tool, ceilings),
     )
+    _end_between_steps()
     async with stdio_server() as (incoming, outgoing):
         await server.run(incoming, outgoing, server.create_initialization_options())
+
+
+def _end_between_steps() -> None:
+    """Lets the handlers of signals, which raise KeyboardInterrupt, run between two steps of the event loop, where it can,
+    as it cannot on Windows: inside a step, what they raise would come out of a task that another one awaits."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        handler = signal.getsignal(number)
+        if callable(handler):
+            with suppress(NotImplementedError):
+                asyncio.get_running_loop().add_signal_handler(number, handler, number, None)
 
 
 async def _list_tools(ceilings: ToolLimits, context: Any, params: Any) -> types.ListToolsResult:
