@@ -52,8 +52,8 @@ async def _serve(ceilings: ToolLimits) -> None:
 
 
 def _end_between_steps() -> None:
-    """Lets the handlers of signals, which raise KeyboardInterrupt, run between two steps of the event loop, where it can,
-    as it cannot on Windows: inside a step, what they raise would come out of a task that another one awaits."""
+    """Lets the handlers of signals, which raise KeyboardInterrupt, run between two steps of the event loop (but on
+    Windows, where it cannot): inside a step, what they raise would come out of a task that another one awaits."""
     for number in (signal.SIGINT, signal.SIGTERM):
         handler = signal.getsignal(number)
         if callable(handler):
