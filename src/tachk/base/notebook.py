@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-_COLOURS = {
-    "holds": "green",
-    "true": "green",
-    "fails": "firebrick",
-    "false": "firebrick",
-    "unknown": "darkorange",
-    "undetermined": "darkorange",
+_GOOD, _BAD, _OPEN = "#1f883d", "#d1242f", "#bf8700"
+ANSWER_COLOURS = {
+    "holds": _GOOD,
+    "true": _GOOD,
+    "fails": _BAD,
+    "false": _BAD,
+    "unknown": _OPEN,
+    "undetermined": _OPEN,
 }
-"""Of cells that begin with such a word: in light and dark notebooks they can be read."""
+"""Of what begins with such a word: they can be read on white and on black."""
 
 
 PRE = "line-height: 1.25; font-family: monospace; white-space: pre; overflow-x: auto"
@@ -60,8 +61,8 @@ def _cell(text: str, is_number: bool) -> str:
 
     style = _NUMBER if is_number else _CELL
     word = text.split(" ", 1)[0].rstrip(",;:").lower()
-    if word in _COLOURS:
-        style += f"; color: {_COLOURS[word]}"
+    if word in ANSWER_COLOURS:
+        style += f"; color: {ANSWER_COLOURS[word]}"
     return f'<td style="{style}">{escape(text)}</td>'
 
 

@@ -147,7 +147,10 @@ class Report(Sequence[Verdict]):
         return self.to_text()
 
     def __repr__(self) -> str:
-        answers = [f"{verdict.query.name}: {verdict.answer.value}" for verdict in self.record.verdicts]
+        from tachk.report.extreme_text import answer_text
+
+        unit = self.record.network.time_unit
+        answers = [f"{verdict.query.name}: {answer_text(verdict, unit)}" for verdict in self.record.verdicts]
         answers += [f"{answer.query.name}: {_short(answer)}" for answer in self.record.estimates]
         answers += [f"{query.name}: not checked" for query in self.record.not_checked]
         return f"<Report on {self.record.model}: {', '.join(answers) or 'nothing checked'}>"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from tachk.base.notebook import CAPTION, PRE
+from tachk.base.notebook import ANSWER_COLOURS, CAPTION, PRE
 from tachk.base.resources import template_text
 from tachk.model.quantity import grouped, seconds
 from tachk.report.extreme_text import answer_text
@@ -15,8 +15,6 @@ from tachk.report.text_report import evidence_text
 
 if TYPE_CHECKING:
     from tachk.simulation.statistics.answers import StatisticalAnswer
-
-_COLOURS = {"holds": "green", "fails": "firebrick", "unknown": "darkorange"}
 
 
 def run_to_html(record: RunRecord) -> str:
@@ -38,7 +36,7 @@ def run_to_html(record: RunRecord) -> str:
         answers=answers,
         estimates=_estimates(record),
         runs=runs,
-        colours=_COLOURS,
+        colours=ANSWER_COLOURS,
         caption=CAPTION,
         pre=PRE,
         count=grouped,

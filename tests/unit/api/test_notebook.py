@@ -78,6 +78,8 @@ def test_where_there_is_no_run_there_is_none(report: tachk.Report) -> None:
 def test_values_are_in_the_table_and_in_rows() -> None:
     found = tachk.load(FISCHER, N=2).verify("sup{P(1).request}: P(1).x", "E<> P(1).critical")
     assert "P(1).x ≤ 10" in found._repr_html_().split("<details")[0]
+    assert repr(found).endswith("q1: P(1).x ≤ 10, q2: holds>")
+    assert repr(found[0]).startswith("<Verdict q1: P(1).x ≤ 10, sup")
     assert [row["values"] for row in found.to_rows()] == ["P(1).x ≤ 10", None]
     (line,) = [line for line in found.to_text().splitlines() if line.startswith("  q1 ")]
     assert "P(1).x ≤ 10" in line and "holds" not in line

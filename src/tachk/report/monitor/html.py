@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from tachk.base.notebook import CAPTION
+from tachk.base.notebook import ANSWER_COLOURS, CAPTION
 from tachk.base.resources import template_text
 from tachk.model.quantity import grouped
 from tachk.recordings.monitors.record import MonitorRecord, clock_text
@@ -12,7 +12,7 @@ from tachk.recordings.traces.node_signal import Truth
 from tachk.report.monitor.text import answer_text, finite_robustness_text, is_quantitative
 from tachk.report.monitor.words import explain_verdict
 
-_COLOURS = {Truth.TRUE: "green", Truth.FALSE: "firebrick", Truth.UNDETERMINED: "darkorange"}
+_COLOURS = {truth: ANSWER_COLOURS[truth.word] for truth in Truth}
 
 
 def monitor_to_html(record: MonitorRecord) -> str:
