@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 @checked_arguments
 def monitor(
-    formula: Model | str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+    formula: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula] | Model,
     trace: Any,
     *,
     time: str | None = None,
@@ -89,7 +89,7 @@ def monitor(
 
 
 def _formulas(
-    given: Model | str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula],
+    given: str | os.PathLike[str] | Sequence[str] | Sequence[NamedFormula] | Model,
     constants: Mapping[str, str | float | Fraction] | None,
 ) -> tuple[NamedFormula, ...]:
     """Those of a model have its constants as it was loaded."""
