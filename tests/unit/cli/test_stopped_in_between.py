@@ -101,10 +101,10 @@ def test_runs(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> No
 
 
 def test_a_run_that_is_not_counted_yet(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tachk.simulation.tables.decimal_time", stopping_after(1, decimal_time, KeyboardInterrupt))
+    monkeypatch.setattr("tachk.simulation.tally.decimal_time", stopping_after(1, decimal_time, KeyboardInterrupt))
     status, output = run("simulate", model, "--runs", "3", "--seed", "1")
     assert (status, "1 of 3 runs" in output) == (130, True)
-    monkeypatch.setattr("tachk.simulation.tables.decimal_time", stopping_after(0, decimal_time, KeyboardInterrupt))
+    monkeypatch.setattr("tachk.simulation.tally.decimal_time", stopping_after(0, decimal_time, KeyboardInterrupt))
     status, output = run("simulate", model, "--format", "json")
     assert (status, json.loads(output)["runs"]) == (130, 0)
 

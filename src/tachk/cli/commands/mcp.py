@@ -14,7 +14,13 @@ _BYTES_IN_A_MEGABYTE = 1 << 20
 
 
 @click.command(name="mcp")
-@options.max_seconds("The most seconds that a call can ask for (default 300; a call that names none has 30).")
+@click.option(
+    "seconds",
+    "--max-seconds",
+    metavar="SECONDS",
+    type=options.Seconds(min=0, min_open=True),
+    help="The most seconds that a call can ask for (default 300; a call that names none has 30).",
+)
 @click.option(
     "max_memory",
     "--max-memory",
