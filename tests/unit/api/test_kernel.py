@@ -107,7 +107,7 @@ def test_the_notebooks_say_what_their_words_say() -> None:
 
     first = text("first_model")
     assert "never_stuck: fails, paid_for: fails" in first and "never_stuck: holds, paid_for: holds" in first
-    assert "q1: holds, q2: holds, q3: holds" in first
+    assert "q1: holds, q2: holds, q3: Person.y ≤ 10 s" in first
     (error,) = (found for found in outputs("first_model") if found.output_type == "error")
     assert error.traceback[1].startswith("<text>:1:36: error[E0209]")
     assert "safe holds in 78 of 144 cells" in text("sweep_and_plots")
