@@ -25,23 +25,17 @@ _ALONE = ("Model", "Report", "Monitor", "MonitorReport")
 """Classes with a page of their own, by importance."""
 
 
-def promised_modules(stability: str) -> tuple[str, ...]:
-    """The modules beside `tachk` whose names are promised: the row about Python of `docs/stability.md` lists them."""
-    row = re.search(r"^\| Python \|(.*)\|$", stability, re.MULTILINE)
-    assert row is not None, "docs/stability.md has a row about Python"
-    spans = re.findall(r"`(tachk(?:\.\w+)*)`", row[1])
-    return tuple(sorted({name.removesuffix(".__all__") for name in spans} - {"tachk"}))
+def promised_names(stability: str) -> dict[str, tuple[str, ...]]:
+    """The names of each module beside `tachk` that are promised: rows of a table in `docs/stability.md`."""
+    rows = re.findall(r"^\| `(tachk(?:\.\w+)+)` \| (.*) \|$", stability, re.MULTILINE)
+    assert rows, "docs/stability.md has a table of modules"
+    return {module: _names_in(module, names) for module, names in sorted(rows)}
 
 
-def names_of(module: ModuleType) -> tuple[str, ...]:
-    """The public names of a module: `__all__`, or what is defined in it."""
-    if hasattr(module, "__all__"):
-        return tuple(module.__all__)
-    return tuple(
-        name
-        for name, value in vars(module).items()
-        if not name.startswith("_") and getattr(value, "__module__", None) == module.__name__
-    )
+def _names_in(module: str, cell: str) -> tuple[str, ...]:
+    if "`__all__`" in cell:
+        return tuple(import_module(module).__all__)
+    return tuple(re.findall(r"`(\w+)`", cell))
 
 
 def kinds() -> dict[str, tuple[str, ...]]:
@@ -131,7 +125,7 @@ def _classes(annotation: object) -> Iterator[type]:
 
 def python_section(stability: str) -> Section:
     """An overview, pages for the names of `tachk`, for what they return, and for each promised module."""
-    modules = {name: names_of(import_module(name)) for name in promised_modules(stability)}
+    modules = promised_names(stability)
     named = {title: [f"tachk.{name}" for name in names] for title, names in kinds().items()}
     pages = [
         *(_page(title, paths) for title, paths in named.items()),

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import tachk
+from docs.site_build.python_names import promised_names
 
 ROOT = Path(__file__).parents[2]
 STABILITY = ROOT / "docs/stability.md"
@@ -22,16 +23,14 @@ PAGES = [
     for page in sorted((ROOT / "docs").rglob("*.md"))
     if page.name != "history.md" and "decisions" not in page.parts and "paper" not in page.parts
 ]
-ROW = re.compile(r"^\| `(tachk\.[\w.]+)` \| (.*) \|$", re.MULTILINE)
 IMPORT = re.compile(r"^(?:>>> )?from (tachk[\w.]*) import (.*)$", re.MULTILINE)
 NO_NAMES = {"__all__", "toml", "command", "textconv"}
 """Behind the name of the package in files of other programs: pyproject.toml, settings of git."""
 USE = re.compile(r"\btachk\.(\w+)\b(?![\w.]*\.(?:ta|svg|md|py))")
 
 
-def promised() -> dict[str, set[str]]:
-    """The names of each module of the table; none where its ``__all__`` has them."""
-    return {module: set(re.findall(r"`(\w+)`", names)) - {"__all__"} for module, names in ROW.findall(text(STABILITY))}
+def promised() -> dict[str, tuple[str, ...]]:
+    return promised_names(text(STABILITY))
 
 
 def text(page: Path) -> str:

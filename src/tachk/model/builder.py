@@ -283,6 +283,7 @@ class ProcessBuilder(_Declarations):
         return LocationHandle(self.number, len(self.locations) - 1)
 
     def starts_in(self, location: LocationHandle) -> None:
+        """Makes a location the initial one, in place of the first."""
         self.initial = location.number
 
     def edge(
@@ -317,6 +318,7 @@ class ProcessBuilder(_Declarations):
         return len(self.edges) - 1
 
     def build(self) -> Process:
+        """The process as it is so far."""
         return Process(
             self.name,
             self.name,
@@ -346,4 +348,5 @@ class NetworkBuilder(_Declarations):
         return process
 
     def build(self) -> Network:
+        """The network as it is so far: `tachk.Model` takes it."""
         return Network(tuple(p.build() for p in self.processes), tuple(self.variables), self.default_priority)

@@ -62,6 +62,7 @@ class DeepCheckReport(DeepCheck):
 
     @staticmethod
     def of(check: DeepCheck, network: Network) -> DeepCheckReport:
+        """A check with its model."""
         return DeepCheckReport(**{each.name: getattr(check, each.name) for each in fields(DeepCheck)}, network=network)
 
     def to_dict(self) -> dict[str, Any]:

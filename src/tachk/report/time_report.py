@@ -65,6 +65,7 @@ class TimesReport(Times):
 
     @staticmethod
     def of(times: Times, between: TimedInterval, network: Network) -> TimesReport:
+        """Times with their events and their model."""
         given = {each.name: getattr(times, each.name) for each in dataclasses.fields(Times)}
         return TimesReport(**given, between=between, network=network)
 

@@ -266,7 +266,9 @@ class TraceSource(Protocol):
     """A trace that has been opened: its columns are known, its rows are not read yet."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """What messages and reports call it."""
+        ...
 
     @property
     def unit(self) -> str:

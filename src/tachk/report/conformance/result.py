@@ -26,6 +26,7 @@ class ConformanceReport(Conformance):
 
     @staticmethod
     def of(found: Conformance, model: str) -> ConformanceReport:
+        """An answer with the path of its model."""
         return ConformanceReport(**{each.name: getattr(found, each.name) for each in fields(Conformance)}, model=model)
 
     def to_dict(self) -> dict[str, Any]:
