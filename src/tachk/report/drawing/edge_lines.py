@@ -14,9 +14,8 @@ ARROW_LENGTH, ARROW_WIDTH = 11, 4.5
 _APART = 0.62
 """The angle between two arrow heads at a circle of a location: they do not overlap then."""
 
-_FAR, _WIDE, _ROUND = 1.25, 1.6, 0.45
-"""How far the control points of a loop are out: of the distance of its nails, of the width between them, and of the
-length of a long loop to each side."""
+_FAR, _WIDE = 1.25, 1.6
+"""How far out the control points of a loop are: of the distance of its nails, and of the width between them."""
 
 _ROUNDS = 12
 """Of moving ends apart; what is still too close then stays so."""
@@ -86,17 +85,13 @@ def _lines(points: Sequence[Place]) -> str:
 
 
 def _controls(route: RouteEnds) -> Iterator[Place]:
-    """The control points of a round loop that reaches as far as its nails and is about as wide as they are apart, wider
-    if it is long."""
+    """The control points of a loop that reaches as far as its nails, and is about as wide as they are apart."""
     centre, one, other, _ = route.points
-    apart = hypot(one.x - other.x, one.y - other.y) or 1.0
-    length = hypot((one.x + other.x) / 2 - centre.x, (one.y + other.y) / 2 - centre.y)
-    width = max(_WIDE, _ROUND * length / apart)
     for nail, across in ((one, other), (other, one)):
         middle_x, middle_y = (nail.x + across.x) / 2, (nail.y + across.y) / 2
         yield (
-            round(centre.x + (middle_x - centre.x) * _FAR + (nail.x - across.x) * width, 1),
-            round(centre.y + (middle_y - centre.y) * _FAR + (nail.y - across.y) * width, 1),
+            round(centre.x + (middle_x - centre.x) * _FAR + (nail.x - across.x) * _WIDE, 1),
+            round(centre.y + (middle_y - centre.y) * _FAR + (nail.y - across.y) * _WIDE, 1),
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from math import log10
 
 from tachk.formats.layout.label_text import LINE_HEIGHT, edge_labels, location_labels, text_height, text_width
 from tachk.formats.layout.placement.geometry import RADIUS
@@ -26,7 +27,7 @@ text{font:12px "DejaVu Sans",Verdana,Arial,sans-serif;white-space:pre}
 .edge{fill:none;stroke:#222}
 .uncontrollable{stroke-dasharray:6 4}
 .head{fill:#222}
-.taken{stroke:#1a7f37;stroke-width:2.5}
+.taken{stroke:#1a7f37}
 .taken-head{fill:#1a7f37}
 .never{stroke:#b35900;stroke-dasharray:3 4}
 .never-head{fill:#b35900}
@@ -118,7 +119,8 @@ def draw_template(
     line for an edge that the environment controls.
 
     Args:
-        taken: how often each edge was taken: edges that were are green and thick, others orange and dotted.
+        taken: how often each edge was taken. Edges that were are green, the thicker the more often, others orange and
+            dotted.
     """
     picture = _SvgCanvas()
     routes = _routes(template, layout)
@@ -243,14 +245,22 @@ def _draw_edge(
     for point in route.points:
         picture.see(*point)
     path, before = path_of(route, ends)
-    colour = f' style="stroke:{escape(layout.colour)}"' if layout.colour else ""
+    rules = [f"stroke:{escape(layout.colour)}"] if layout.colour else []
+    if often:
+        rules.append(f"stroke-width:{_width(often):g}")
+    own_style = f' style="{";".join(rules)}"' if rules else ""
     kind = "edge" if edge.controllable else "edge uncontrollable"
     covered = "" if often is None else "taken" if often else "never"
     classes = f"{kind} {covered}".rstrip()
-    picture.add(f'<path class="{classes}" data-edge="{escape(key.text)}" d="{path}"{colour}/>')
+    picture.add(f'<path class="{classes}" data-edge="{escape(key.text)}" d="{path}"{own_style}/>')
     corners = " ".join(f"{x:g},{y:g}" for x, y in head(before, ends[1]))
     picture.add(f'<polygon class="{f"{covered}-head" if covered else "head"}" points="{corners}"/>')
     _draw_labels(picture, _with_comment(edge_labels(edge), edge.doc), layout.labels)
+
+
+def _width(often: int) -> float:
+    """Of the line of an edge that was taken so often: one unit more for each factor of ten, at most 5."""
+    return round(min(1.5 + log10(often), 5.0), 1)
 
 
 def _loop_nails(centre: Point) -> tuple[Point, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import log10
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,7 @@ def test_the_edges_that_a_recording_takes_are_counted_in_the_picture(tmp_path: P
     assert f"{len(taken)} of {len(edges)} edges taken" in svg
     for edge in taken:
         assert f">{edge['times']}×<" in svg
+        assert f"stroke-width:{round(1.5 + log10(edge['times']), 1):g}" in svg, "the thicker the more often"
 
 
 @pytest.mark.parametrize(("text", "said"), [("{}", "contains no coverage"), ("[", "Expecting value")])
