@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [path for path in (str(ROOT), str(ROOT / "src")) if path not in sys.path]
+sys.path.insert(0, str(ROOT))
+if find_spec("tachk") is None:
+    sys.path.append(str(ROOT / "src"))
 
 from mkdocs.structure.files import File, Files  # noqa: E402
 
