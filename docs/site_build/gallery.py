@@ -154,10 +154,11 @@ def _page(path: Path, pictures: Mapping[str, str], verdicts: ModelVerdicts, root
 
 
 def _circumstances(verdicts: ModelVerdicts) -> str:
-    """What stands above the table of verdicts; ✓ marks answers that are as the model expects them."""
+    """What stands above the table of verdicts."""
     if not verdicts.answers:
         return ""
-    return f"With {_constants(verdicts.constants)}, as of this build:" if verdicts.constants else "As of this build:"
+    given = f"With {_constants(verdicts.constants)}, as" if verdicts.constants else "As"
+    return f"{given} of this build; ✓ marks the answers that the model expects:"
 
 
 def _constants(constants: Mapping[str, int]) -> str:
