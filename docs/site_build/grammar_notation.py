@@ -115,7 +115,7 @@ def _part(node: object) -> Part:
     children = node.children
     if node.data == "expansions":
         return _smallest(OneOf, children)
-    if node.data == "alias":  # `-> name`, the name of a node of the tree, is no part of the language
+    if node.data == "alias":  # `-> name`, the name of a node of the tree, is not a part of the language
         return _part(children[0])
     if node.data == "expansion":
         return _smallest(InOrder, children)

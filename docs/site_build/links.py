@@ -27,7 +27,7 @@ def resolved(link: str, origin: str) -> str | None:
 
 
 def local_links(text: str, origin: str) -> Iterator[str]:
-    """The paths in the repository to which a text links; what stands in code is no link."""
+    """The paths in the repository to which a text links; what stands in code is not a link."""
     for found in CODE_OR_LINK.finditer(text):
         link = found["link"] or found["value"]
         if link is not None and (path := resolved(link, origin)) is not None:

@@ -320,7 +320,7 @@ def _chosen(
 
 
 def place(expression: Expression, domain: Domain[N, T, P]) -> P:
-    """The place that an expression denotes; a temporary one if it is no place."""
+    """The place that an expression denotes; a temporary one if it is not a place."""
     match expression:
         case Reference(variable):
             return domain.place_of(variable)

@@ -120,7 +120,7 @@ def conform(
         ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.
         applications: files of events that applications noted; beside a capture with times since 1970.
-        explain: the explanation for a recording that is no run. ``"none"``: nothing; ``"short"``: the place where it
+        explain: the explanation for a recording that is not a run. ``"none"``: nothing; ``"short"``: the place where it
             leaves the model, and an edit that would make it a run if one is found in a few seconds; ``"full"``: all
             edits near that place are tried.
 
@@ -134,7 +134,7 @@ def conform(
     model = model if isinstance(model, Model) else load(model)
     model = Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
     if explain not in list(ExplanationDetail):
-        raise UsageError(f"`{explain}` is no kind of explanation", f"one of {', '.join(ExplanationDetail)}")
+        raise UsageError(f"`{explain}` is not a kind of explanation", f"one of {', '.join(ExplanationDetail)}")
     logs = tuple(os.fspath(each) for each in applications)
     requested = Question(tolerance, late, unit, tuple(ports), logs, ExplanationDetail(explain))
     found = conform_file(model.loaded, model.path, os.fspath(recording), requested, limits or Limits())

@@ -45,7 +45,7 @@ def check_argument(name: str, value: object, annotation: str) -> None:
 
 
 def check_proportion(name: str, value: float) -> None:
-    """Raises UsageError where a value is no number between 0 and 1."""
+    """Raises UsageError where a value is not a number between 0 and 1."""
     check_argument(name, value, "float")
     if not 0 < value < 1:
         raise UsageError(f"`{name}` is {value}, but it must lie between 0 and 1")

@@ -316,5 +316,5 @@ def _count(text: str, default: int | None = 1) -> int:
     if not text and default is not None:
         return default
     if not is_whole(text):
-        raise NotUnderstoodError(f"{text or 'nothing'} is no number of steps")
+        raise NotUnderstoodError(f"{text or 'nothing'} is not a number of steps")
     return int(text)

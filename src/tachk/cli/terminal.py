@@ -44,7 +44,7 @@ _SPELLINGS = {
 
 
 def prepare_streams() -> None:
-    """Lets the standard streams replace characters that their encoding does not have, and what is no text in it,
+    """Lets the standard streams replace characters that their encoding does not have, and what is not a text in it,
     instead of raising errors.
 
     A stream that is closed, as by ``>&-``, becomes one that drops everything: its output is not wanted, and its

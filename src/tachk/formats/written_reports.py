@@ -36,7 +36,7 @@ def read_json(path: Path, how: str) -> Mapping[str, Any]:
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
-        raise UsageError(f"{path} is no text in UTF-8: {error.reason} at byte {error.start}", how) from None
+        raise UsageError(f"{path} is not a text in UTF-8: {error.reason} at byte {error.start}", how) from None
     return json_object(text, str(path), how)
 
 
@@ -53,14 +53,14 @@ def json_object(text: str, name: str, how: str) -> Mapping[str, Any]:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise UsageError(f"{name}: {reason}", how) from None
     if not isinstance(document, dict):
-        raise UsageError(f"{name} is no result of tachk", how)
+        raise UsageError(f"{name} is not a result of tachk", how)
     if "\\ud" in text.lower() and _HALF_OF_A_PAIR.search(json.dumps(document, ensure_ascii=False)):
-        raise UsageError(f"{name} has half of a pair of surrogates, which is no character", how)
+        raise UsageError(f"{name} has half of a pair of surrogates, which is not a character", how)
     return document
 
 
 def check_report(document: Mapping[str, Any], report: str, path: Path, how: str) -> None:
-    """Raises UsageError where a document is no report as the schema of this name describes it, with the place in the
+    """Raises UsageError where a document is not a report as the schema of this name describes it, with the place in the
     document and what is wrong there."""
     from jsonschema.exceptions import best_match
 
@@ -123,4 +123,4 @@ def _real(text: str) -> float:
 
 
 def _no_number(text: str) -> float:
-    raise ValueError(f"{text} is no number of JSON")
+    raise ValueError(f"{text} is not a number of JSON")

@@ -135,7 +135,7 @@ class _RecordingClauseReader:
             if isinstance(value, Constant):
                 constants.append((given.name.name, value.value))
             elif value is not None:
-                self.context.error("E0451", written.span, "this is no constant", "write a constant of this model")
+                self.context.error("E0451", written.span, "this is not a constant", "write a constant of this model")
         model = RecordedModel(clause.path, tuple(constants))
         return RecordingMap(frozenset(), (), (), Fraction(0), None, model, node.span)
 
@@ -156,7 +156,7 @@ class _RecordingClauseReader:
         unit = length_of(self.context.time_unit) if self.context.time_unit else None
         if length is None:
             help_ = did_you_mean(clause.unit, NANOSECONDS) or f"one of {', '.join(NANOSECONDS)}"
-            self.context.error("E0453", clause.span, f"`{clause.unit}` is no unit of time", help_)
+            self.context.error("E0453", clause.span, f"`{clause.unit}` is not a unit of time", help_)
         elif unit is None:
             help_ = "write `time_unit = 1 ms;`, or leave out the unit"
             self.context.error("E0453", clause.span, "the model does not say how long its time unit is", help_)
@@ -240,7 +240,7 @@ class _RecordingClauseReader:
             if variable.name == name.name:
                 return variable
         help_ = did_you_mean(name.name, [v.name for v in known()]) or "name an index of the channel"
-        self.context.error("E0454", name.span, f"`{name.name}` is no index of this channel", help_)
+        self.context.error("E0454", name.span, f"`{name.name}` is not an index of this channel", help_)
         return None
 
     def _column(self, node: ast.RecordedColumn, names: Scope) -> _Column | None:

@@ -305,7 +305,7 @@ def _assign(expression: Assign, environment: Environment) -> tuple[int, ...]:
     if isinstance(target.type, ClockType):
         whole = clock_sum(value)
         if whole is None:
-            raise ValueError(f"{span}: a clock is set to what is no sum with one clock")
+            raise ValueError(f"{span}: a clock is set to what is not a sum with one clock")
         source = 0 if whole.clock is None else _place(whole.clock, environment).read()[0]
         number = 0 if whole.offset is None else _scalar(whole.offset, environment)
         if number < 0:

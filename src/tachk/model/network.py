@@ -30,7 +30,7 @@ class Location:
             0 (stopped) or 1.
         exponential_rate: of the time that the process waits here where no invariant ends it; None: 1.
         hybrid_rates: pairs (hybrid clock, floating point expression): how fast it changes while control is here.
-        observes: the process is no part of what the network describes: committed locations of others do not keep it
+        observes: the process is not a part of what the network describes: committed locations of others do not keep it
             from acting, and where it is committed itself it alone acts.
     """
 

@@ -42,7 +42,7 @@ def capture_readers() -> tuple[CaptureReader, ...]:
 
 
 def capture_reader(path: Path) -> CaptureReader | None:
-    """The reader of a file, by the ending of its name; None if it is no capture."""
+    """The reader of a file, by the ending of its name; None if it is not a capture."""
     return next((each for each in capture_readers() if path.suffix.lower() in each.suffixes), None)
 
 

@@ -87,13 +87,13 @@ def parse_fault(written: str) -> InjectedFault:
         for part in listed.split(","):
             match = _RANGE.fullmatch(part.strip())
             if match is None or int(match[1]) < 1:
-                raise UsageError(f"--fault {written}: {part.strip()!r} is no number of a message, from 1", help)
+                raise UsageError(f"--fault {written}: {part.strip()!r} is not a number of a message, from 1", help)
             ranges.append((int(match[1]), int(match[2] or match[1])))
         return InjectedFault(fault, None, channel.strip(), tuple(ranges), written)
     try:
         probability = Fraction(wanted).limit_denominator(_FINEST)
     except (ValueError, ZeroDivisionError):
-        raise UsageError(f"--fault {written}: {wanted!r} is no probability", help) from None
+        raise UsageError(f"--fault {written}: {wanted!r} is not a probability", help) from None
     if not 0 <= probability <= 1:
         raise UsageError(f"--fault {written}: a probability is between 0 and 1", help)
     return InjectedFault(fault, probability, "", (), written)
@@ -403,7 +403,7 @@ def _channel(network: Network, injected: InjectedFault) -> tuple[Variable, tuple
     values = []
     for index in re.findall(r"\w+", match[2]):
         if not is_whole(index) and index not in constants:
-            raise UsageError(problem, f"{index} is no constant of the model")
+            raise UsageError(problem, f"{index} is not a constant of the model")
         values.append(int(index) if is_whole(index) else constants[index])
     return variable, tuple(values)
 

@@ -1,4 +1,4 @@
-"""The picture of a document, and the other content of a UPPAAL file that is no behaviour of its model.
+"""The picture of a document, and the other content of a UPPAAL file that is not a behaviour of its model.
 
 Everything is keyed by names of the document, so a layout outlives changes of the text: what it does not know is placed
 anew, what it knows too much is left out. Coordinates are UPPAAL's: integers, y grows downwards.

@@ -3,7 +3,7 @@
 Temporal properties speak of what lasts. A trigger that is true for no time asks for nothing, a condition that must
 always be true may lapse for no time, and a property may hold because of that. The verdict then says so. Whether it
 happens is a question of reachability about a network in which each edge that begins a transition notes whether the
-condition was false when the chain began and has been true since. It is no part of the property: where it takes more
+condition was false when the chain began and has been true since. It is not a part of the property: where it takes more
 states than it may, the verdict says that it is not known. Invariants and urgent channels that stop time are not looked
 at. What is so where a run ends in a committed or urgent location, or takes steps for ever in such ones, does not last
 either: a formula without deadline counts it, every other one gets a note.

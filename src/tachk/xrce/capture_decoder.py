@@ -33,7 +33,7 @@ class CaptureDecoder:
     def pieces(self) -> Iterator[Submessages]:
         """The datagrams to or from the ports of Agents, at last those that TCP has not completed.
 
-        Raises CaptureError for what is no capture.
+        Raises CaptureError for what is not a capture.
         """
         try:
             for packets in read_packets(self._stream):

@@ -64,7 +64,7 @@ def decode(stream: BinaryIO, ports: Iterable[int] = (DEFAULT_PORT,)) -> Iterator
     """The events in a capture of a network, in the order of its packets.
 
     Only what goes to or from the ports of Agents is looked at; all of it becomes events. A capture that ends too early
-    or is damaged ends with a malformed event. Raises CaptureError for what is no capture.
+    or is damaged ends with a malformed event. Raises CaptureError for what is not a capture.
 
     Args:
         stream: a pcap or pcapng file, or a pipe from a running capture.

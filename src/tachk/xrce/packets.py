@@ -20,7 +20,7 @@ Numbers = NDArray[np.int64]
 
 
 class CaptureError(Exception):
-    """A file that is no capture, or one of a kind that is not read. The message says which."""
+    """A file that is not a capture, or one of a kind that is not read. The message says which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def read_packets(stream: BinaryIO) -> Iterator[Packets]:
 
     Where reading gives None, as a pipe does that need not be waited for, the piece has no packets.
 
-    Raises CaptureError: before the first piece for what is no capture, later where the file ends inside a packet or is
+    Raises CaptureError: before the first piece if the file is not a capture, later where it ends inside a packet or is
     damaged; what came before has been given by then.
     """
     pending = _Pending(stream)

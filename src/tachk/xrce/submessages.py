@@ -211,7 +211,7 @@ class _HeaderWalk:
             elif left < 4:
                 problem = f"the header of a submessage has 4 bytes, {left} are left" if left else "the message is empty"
             elif stated not in _KINDS:
-                problem = f"{stated} is no kind of submessage"
+                problem = f"{stated} is not a kind of submessage"
             elif size[entry] > left - 4:
                 problem = f"{_KINDS[stated]} claims to have {size[entry]} bytes, {left - 4} are left"
             else:

@@ -115,7 +115,7 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
             these, the frames of a serial line. A damaged frame is a message that was lost; what it was is known where
             only one message differs from it in one byte (`serial_repair`).
 
-    Raises CaptureError for what is no capture, OSError for a file that cannot be read.
+    Raises CaptureError for what is not a capture, OSError for a file that cannot be read.
     """
     wanted = set(ports)
     if not wanted:
@@ -150,7 +150,7 @@ def _on_one_line(legs: list[_Leg]) -> list[_Leg]:
 
 
 def session_ports(stream: BinaryIO) -> set[int]:
-    """The ports to which CREATE_CLIENT is sent. Raises CaptureError for what is no capture."""
+    """The ports to which CREATE_CLIENT is sent. Raises CaptureError for what is not a capture."""
     ports: set[int] = set()
     any_packet = False
     try:

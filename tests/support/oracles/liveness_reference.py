@@ -6,7 +6,7 @@ valuations of regions that were there: with the constants of goal and trigger co
 without it, and what can happen, now or later, stays the same (Bouyer 2004).
 
 Time diverges in a run with infinitely many transitions if infinitely many of them are *beats*: taken at least one time
-unit after the last one. A clock beside those of the network measures that; it is no part of the network.
+unit after the last one. A clock beside those of the network measures that; it is not a part of the network.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Node = tuple[DiscreteState, Zone, bool]
 def check_by_zones(network: Network, obligation: Obligation, limits: Limits = Limits()) -> LivenessOutcome:
     """Exact. Raises ValueError for networks with stopwatches, and if the initial state violates an invariant."""
     if any(location.rates for process in network.processes for location in process.locations):
-        raise ValueError("the past of a zone is no zone where clocks stop")
+        raise ValueError("the past of a zone is not a zone where clocks stop")
     predicates = [e for e in (obligation.goal, obligation.trigger) if e is not None]
     since = None
     if obligation.diverges:

@@ -35,7 +35,7 @@ SHAPES = (
 
 @dataclass(frozen=True, slots=True)
 class JudgedTwice:
-    """A formula on a run. ``refusal``: why the file is no run; empty if it is one."""
+    """A formula on a run. ``refusal``: why the file is not a run; empty if it is one."""
 
     seed: int
     run: int

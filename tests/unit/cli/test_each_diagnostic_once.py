@@ -15,7 +15,7 @@ system P;
 property q : A[] P.A;
 property z : A[] n < 3;
 """
-REFUSED = "error[E0750]: an initial value of a clock that is no integer is not supported"
+REFUSED = "error[E0750]: an initial value of a clock that is not an integer is not supported"
 WARNED = "warning[W0406]: tachk does not check the floating point variable `d`"
 
 

@@ -11,7 +11,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.span import Source
 from tachk.cli.commands.check import run_check
-from tachk.cli.commands.convert import run_convert
+from tachk.cli.commands.convert import ConvertArguments, run_convert
 from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.catalogue import export_model
@@ -117,12 +117,12 @@ def test_commands_say_it_and_end_with_3(path: str, capsys: pytest.CaptureFixture
 
 def test_the_text_goes_to_uppaal_and_back(path: str, tmp_path: Path) -> None:
     xml, again = tmp_path / "model.xml", tmp_path / "again.ta"
-    assert run_convert(path, xml, (), False) is ExitStatus.AS_EXPECTED
+    assert run_convert(ConvertArguments(path, xml)) is ExitStatus.AS_EXPECTED
     loaded = load_model(str(xml))
     assert [refusal.span.text for refusal in loaded.refusals] == [
         refusal.span.text for refusal in load_model(path).refusals
     ]
-    assert run_convert(str(xml), again, (), False) is ExitStatus.AS_EXPECTED
+    assert run_convert(ConvertArguments(str(xml), again)) is ExitStatus.AS_EXPECTED
     text = again.read_text()
     assert "double level = 0.5;" in text
     assert "level = level * 2" in text

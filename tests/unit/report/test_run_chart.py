@@ -116,7 +116,7 @@ def test_reports_without_a_run(tmp_path: Path, sleeper: Path):
     record = tachk.load(str(sleeper)).verify("A[] receiver.got <= 2").record
     for document, words in (
         ({}, "neither a capture nor a report"),
-        ({"runs": [{}]}, "no report of tachk verify"),
+        ({"runs": [{}]}, "not a report of tachk verify"),
         (runs_to_json([record], False), "has no run of a model"),
     ):
         with pytest.raises(UsageError, match=words):

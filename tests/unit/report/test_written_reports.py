@@ -65,7 +65,7 @@ def test_what_is_written_can_be_read(written: dict[str, Any], tmp_path: Path) ->
         (("results", 0, "trace", 1, "time"), "1/0", "$.runs[0].results[0].trace[1].time"),
         (("time_unit",), "7/2", "$.runs[0].time_unit"),
         (("results", 0, "stats", "states_stored"), 10**400, "too large"),
-        (("results", 0, "stats", "seconds"), float("inf"), "no number of JSON"),
+        (("results", 0, "stats", "seconds"), float("inf"), "not a number of JSON"),
         (("results", 0, "title"), "\ud800", "surrogates"),
         (("estimates", 0, "found", "high"), "x", "$.runs[0].estimates[0].found"),
     ],

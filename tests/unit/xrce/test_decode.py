@@ -100,7 +100,7 @@ def test_a_session_is_created():
         ("01000000AABB", "the header of a message with a client key has 8 bytes, this one has 6 bytes"),
         ("81000000", "the message is empty"),
         ("810000000B01", "the header of a submessage has 4 bytes, 2 are left"),
-        ("8100000063010000", "99 is no kind of submessage"),
+        ("8100000063010000", "99 is not a kind of submessage"),
         ("810000000B01050004000400", "HEARTBEAT claims to have 5 bytes, 4 are left"),
         ("810000000B01020004000400", "HEARTBEAT has 2 bytes, at least 5 are needed"),
         ("8000000000011000585243460100010FCCCCDDDD8100FC01", "CREATE_CLIENT is damaged: it does not begin with "),

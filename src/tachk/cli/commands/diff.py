@@ -81,7 +81,7 @@ def _models(before: str, after: str, constants: Mapping[str, str]) -> tuple[Plai
         else:
             return _expanded(first), _expanded(second)
     elif constants:
-        raise UsageError("-D sets constants of two models, and one of these is no file")
+        raise UsageError("-D sets constants of two models, and one of these is not a file")
     return _as_written(before), _as_written(after)
 
 

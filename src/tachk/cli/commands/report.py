@@ -136,7 +136,7 @@ def _read(path: Path, number: int) -> Iterator[Part]:
             yield answers_part(run, number + place, {})
         except (KeyError, TypeError, ValueError, AttributeError):
             raise UsageError(
-                f"{path} is no result of this version of tachk verify", "tachk verify MODEL --format json writes one"
+                f"{path} is not a result of this version of tachk verify", "tachk verify MODEL --format json writes one"
             ) from None
     if not runs:
         yield chapter_of(document, path)
@@ -187,7 +187,7 @@ def _facts(request: ReportArguments) -> Iterator[tuple[str, str]]:
 def _svg(path: Path) -> str:
     text = _text(path)
     if "<svg" not in text:
-        raise UsageError(f"{path} is no SVG picture", "-o NAME.svg lets tachk draw one")
+        raise UsageError(f"{path} is not an SVG picture", "-o NAME.svg lets tachk draw one")
     return text
 
 

@@ -258,7 +258,7 @@ def _settings(arguments: SweepArguments) -> Settings:
 def _part(text: str) -> tuple[int, int]:
     match = re.fullmatch(rf"({DIGITS})/({DIGITS})", text)
     if match is None:
-        raise UsageError(f"--part {text} is no part", "write 3/10 for the third of ten parts")
+        raise UsageError(f"--part {text} is not a part", "write 3/10 for the third of ten parts")
     return int(match[1]), int(match[2])
 
 

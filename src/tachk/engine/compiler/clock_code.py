@@ -26,7 +26,7 @@ class Generator(Protocol):
 
 
 def set_clock(generator: Generator, expression: Assign) -> None:
-    """With the number of the clock on the stack: sets it. Raises UnsupportedError for what is no sum with one clock."""
+    """Sets the clock whose number is on the stack. Raises UnsupportedError for what is not a sum with one clock."""
     emit = generator.assembler.emit
     whole = clock_sum(expression.value)
     if whole is None:

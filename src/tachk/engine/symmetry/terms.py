@@ -163,14 +163,14 @@ class TermReader:
                 of_base = self._read(base, tokens)
                 of_index = self._read(index, tokens)
                 if not isinstance(of_base, ArrayTree) or not isinstance(of_index, int):
-                    raise TypeError("an index of something that is no array")
+                    raise TypeError("an index of something that is not an array")
                 self.index_types.unify(of_base.index, of_index, 0, expression.span)
                 return of_base.element
             case Field(base, name):
                 tokens.append(("field", name))
                 of_base = self._read(base, tokens)
                 if not isinstance(of_base, RecordTree):
-                    raise TypeError("a field of something that is no record")
+                    raise TypeError("a field of something that is not a record")
                 return dict(of_base.fields)[name]
             case Conditional(condition, then, otherwise):
                 tokens.append("conditional")

@@ -103,7 +103,7 @@ def kind_of(node: ast.Expression, names: TextTypes) -> ConditionKind:
     """The type of an expression for UPPAAL."""
     match node:
         case ast.NameExpression() | ast.IndexExpression() | ast.MemberExpression():
-            # A name that is no variable is a location, a signal or a constant that UPPAAL declares itself.
+            # A name that is not a variable is a location, a signal or a constant that UPPAAL declares itself.
             found = names.place(node)
             return ConditionKind.INTEGER if found is None else _DECLARED.get(names.base_of(found), ConditionKind.OTHER)
         case ast.IntegerLiteral() | ast.IncrementExpression():

@@ -37,7 +37,7 @@ def clock_value(value: Expression, type_: Type, span: Span, context: Context) ->
         return converted(value, type_)
     if value.type == DOUBLE:
         help = "`tachk simulate` and `tachk estimate` know them; write an integer"
-        context.error("E0750", span, "an initial value of a clock that is no integer is not supported", help)
+        context.error("E0750", span, "an initial value of a clock that is not an integer is not supported", help)
         return None
     if not isinstance(value.type, IntType):
         context.error("E0302", span, f"{describe(value.type)} cannot initialise clock")

@@ -20,7 +20,7 @@ def assignable(node: ast.Expression, scope: Scope, context: Context, mend: str |
     """True if an expression is a place that may change; reports if it is not.
 
     Args:
-        mend: what to do where it is no variable at all.
+        mend: what to do where it is not a variable at all.
     """
     match node:
         case ast.NameExpression(span, name):

@@ -62,7 +62,7 @@ def _event(source: Source, scope: Scope, context: Context) -> Event | None:
         context.error("E0731", clock.span, "an event cannot look at a clock", help_)
         return None
     if asks_deadlock(checked):
-        context.error("E0501", node.span, "`deadlock` is no event", "name a location in which the model stops")
+        context.error("E0501", node.span, "`deadlock` is not an event", "name a location in which the model stops")
         return None
     return BecomesTrue(checked)
 

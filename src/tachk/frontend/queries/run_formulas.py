@@ -76,7 +76,7 @@ class OperandReader:
 
 
 def operators_in(span: Span) -> tuple[str, ...]:
-    """The temporal operators of a text from left to right, as letters; none where it is no formula."""
+    """The temporal operators of a text from left to right, as letters; none where it is not a formula."""
     lexed = lexer().cut(span.source, span.start, span.end)
     marked = resolve_formula(list(lexed.tokens[:-1]))
     return tuple(token.text for token in marked if token.type in TEMPORAL)

@@ -18,7 +18,7 @@ from tachk.syntax.rewrite import names_in
 
 def switched_off(guard: ast.Expression | None, value: Expression | None, scope: Scope, context: Context) -> bool:
     """True if a part of a guard is false because of a global constant: with another value of it, which ``-D`` may
-    give, the edge may be taken. A guard that is false whatever the constants are is no switch.
+    give, the edge may be taken. A guard that is false whatever the constants are is not a switch.
 
     Args:
         value: the guard with its constants folded.

@@ -30,7 +30,7 @@ _LARGEST_BLOCK = 1 << 28
 
 @dataclass(frozen=True, slots=True)
 class Objection:
-    """The reason why a set of symbolic states is no proof.
+    """The reason why a set of symbolic states is not a proof.
 
     Attributes:
         discrete: the discrete state of the element that is wrong; None if the initial state is missing.
@@ -45,7 +45,7 @@ class Objection:
 
 
 class MalformedCertificateError(Exception):
-    """The file is no certificate, or only a part of one; ``str()`` says what is wrong."""
+    """The file is not a certificate, or only a part of one; ``str()`` says what is wrong."""
 
 
 class ProofKind(StrEnum):

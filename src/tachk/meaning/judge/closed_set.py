@@ -158,7 +158,7 @@ class ClosedSet:
         self._object(dead, "nothing can happen any more in some state, and the goal is not met")
 
     def _check_move(self, move: MoveOfManyStates) -> None:
-        """Checks that the successor is in the set and is no run-time error."""
+        """Checks that the successor is in the set and is not a run-time error."""
         for constraints in move.guard:
             pieces = self.sources.at(move.rows).within(constraints)
             if move.fault is not None:

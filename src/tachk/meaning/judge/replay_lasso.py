@@ -33,7 +33,7 @@ def replay_lasso(
 
     Args:
         again: what each round of a loop has to meet behind one of its transitions.
-        ends: where a run has to end that is no loop; None: anywhere.
+        ends: where a run has to end that is not a loop; None: anywhere.
         diverges: each round of a loop takes time. That is not looked at where delays differ from round to round: they
             may grow shorter and shorter.
 

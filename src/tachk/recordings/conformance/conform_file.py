@@ -37,7 +37,7 @@ def duration(text: str, time_unit: str) -> Fraction:
     unit = "" if found is None else SPELLINGS.get(found[2].lower(), found[2])
     length = length_of(unit) if unit else None
     if found is None or (unit and length is None):
-        raise UsageError(f"`{text}` is no duration", "write a number and a unit, such as 5ms")
+        raise UsageError(f"`{text}` is not a duration", "write a number and a unit, such as 5ms")
     if length is None:
         return Fraction(found[1])
     own = length_of(time_unit) if time_unit else None

@@ -417,7 +417,7 @@ class _EventStreamReader:
         if text not in words:
             place = f"{self.recording.source}, {event.place}"
             raise UsageError(
-                f"{place}: {name} is `{_begun(text)}`, which is no location of the process",
+                f"{place}: {name} is `{_begun(text)}`, which is not a location of the process",
                 f"its locations are {', '.join(words)}",
             )
         return words[text]

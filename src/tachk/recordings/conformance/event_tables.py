@@ -85,7 +85,7 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as error:
         raise UsageError(f"{path} cannot be read: {error}") from None
     if reason is not None:
-        raise UsageError(f"{path} is cut off: {reason}", "a recording without its end is no run of the model")
+        raise UsageError(f"{path} is cut off: {reason}", "a recording without its end is not a run of the model")
     return text
 
 
@@ -100,7 +100,7 @@ def _length(unit: str | None, path: Path) -> Fraction | None:
         return None
     spelled = SPELLINGS.get(unit.lower())
     if spelled is None:
-        raise UsageError(f"{path}: `{unit}` is no unit of time", f"one of {', '.join(NANOSECONDS)}")
+        raise UsageError(f"{path}: `{unit}` is not a unit of time", f"one of {', '.join(NANOSECONDS)}")
     return Fraction(NANOSECONDS[spelled])
 
 
@@ -110,7 +110,7 @@ def _number(cell: Cell, path: Path, place: str) -> Fraction:
         return exact_number(text)
     except ValueError:
         raise UsageError(
-            f"{path}, {place}: `{text[:_LONGEST]}` is no time", f"the column `{TIME}` has a number"
+            f"{path}, {place}: `{text[:_LONGEST]}` is not a time", f"the column `{TIME}` has a number"
         ) from None
 
 
@@ -148,7 +148,7 @@ def _json_rows(path: Path, text: str) -> Iterator[tuple[int, Mapping[str, Cell]]
         try:
             row = json.loads(content)
         except json.JSONDecodeError as error:
-            raise UsageError(f"{path}, line {line}: this is no JSON: {error}") from None
+            raise UsageError(f"{path}, line {line}: this is not a JSON: {error}") from None
         except (ValueError, RecursionError):
             message = f"{path}, line {line}: this has a number of too many digits, or too many brackets in each other"
             raise UsageError(message) from None

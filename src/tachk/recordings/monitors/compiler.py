@@ -329,7 +329,7 @@ class _Compiler:
         )
 
     def _refuse_bare_text(self, operator: BinaryOperator, left: ast.Expression, right: ast.Expression) -> None:
-        """``state == idle``, where `idle` is no column."""
+        """``state == idle``, where `idle` is not a column."""
         for side, other in ((left, right), (right, left)):
             if operator not in _EQUALITIES or not isinstance(side, ast.NameExpression) or side.name in self.columns:
                 continue

@@ -78,7 +78,7 @@ class NamedFormula:
     written: str = ""
 
     def beside(self, columns: Collection[str]) -> NamedFormula:
-        """The formula where there are these columns: a name of one of them is no formula."""
+        """The formula where there are these columns: a name of one of them is not a formula."""
         left = {name: each for name, each in (self.siblings or {}).items() if name not in columns}
         return replace(self, siblings=left or None) if self.siblings else self
 

@@ -150,7 +150,7 @@ def _times(effect: Monotonicity, slope: Fraction) -> Monotonicity:
 
 
 def _slope(expression: ast.Expression, name: str) -> Fraction | None:
-    """By how much an expression grows with a name; None where it is no multiple of it, and a rest without it."""
+    """By how much an expression grows with a name; None where it is not a multiple of it, and a rest without it."""
     if not _names(expression, name):
         return Fraction(0)
     match expression:

@@ -49,7 +49,7 @@ class RowNames:
 
     Attributes:
         names: that say something of rows.
-        first: the time of the first row; None before it, and where it is no number.
+        first: the time of the first row; None before it, and where it is not a number.
         counts: how often something has arrived since that instant.
         begins: what arrives at it.
     """
@@ -109,7 +109,7 @@ def _flags(name: str, columns: Mapping[str, Any], count: int) -> NDArray[np.bool
 
 
 def _exact(time: Any) -> Fraction | None:
-    """A time as the decimal number that it prints as; None if it is no number, which monitors refuse."""
+    """A time as the decimal number that it prints as; None if it is not a number, which monitors refuse."""
     try:
         return Fraction(str(time) if isinstance(time, float) else time)
     except (TypeError, ValueError, OverflowError):

@@ -102,7 +102,7 @@ class TextNumbers:
         self.known = Texts(self.columns, self._labels.known)
 
     def in_row(self, values: Mapping[str, Any], row: int) -> dict[str, Any]:
-        """The values of a row with numbers in place of texts. Raises UsageError for what is no text in its column."""
+        """The values of a row with numbers in place of texts. Raises UsageError for a value that is not a text."""
         numbered = dict(values)
         for name in self.columns & numbered.keys():
             value = numbered[name]
@@ -110,7 +110,7 @@ class TextNumbers:
                 numbered[name] = self._labels.number(value)
             elif not (value is None or value != value):
                 raise UsageError(
-                    f"row {row}: the value {value!r} of column {name!r} is no text", "a formula says it is"
+                    f"row {row}: the value {value!r} of column {name!r} is not a text", "a formula says it is"
                 )
         return numbered
 
@@ -124,7 +124,7 @@ class TextNumbers:
         return numbered
 
     def _number(self, word: Any, column: str, name: str) -> float:
-        """The number of a text, not a number where a text stays. Raises UsageError for what is no text."""
+        """The number of a text, not a number where a text stays. Raises UsageError for what is not a text."""
         if isinstance(word, str):
             return self._labels.number(word)
         if is_missing(word):

@@ -68,7 +68,7 @@ class CsvBeginning:
     read: what was read behind the header.
     point: what stands before the decimals of numbers, a comma or a point.
     dates: the times are dates.
-    worded: the columns whose first cell with a value is no number.
+    worded: the columns whose first cell with a value is not a number.
     """
 
     header: TraceHeader

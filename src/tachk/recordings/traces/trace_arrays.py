@@ -385,7 +385,7 @@ def _texts_in(values: Any) -> Sequence[Any] | None:
 
 
 def _first_known(values: Any) -> int | None:
-    """The first row with a value; None if no row has one. For something that is no column, 0: `_hold` refuses it."""
+    """The first row with a value; None if no row has one. For something that is not a column, 0: `_hold` refuses it."""
     try:
         first = [*values[:1]]
     except (IndexError, KeyError, TypeError):

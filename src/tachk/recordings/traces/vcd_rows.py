@@ -58,7 +58,7 @@ class VcdRows:
         wanted: the variables whose values are kept.
         magnitude: ticks between two numbers of the time.
         arrivals: of each column of arrivals the codes of the variables that arrive in it. A variable arrives where a
-            change gives it a value, be it the one before. A checkpoint gives none, for it is no change.
+            change gives it a value, be it the one before. A checkpoint gives none, for it is not a change.
         times: of the rows, as the dump numbers them.
         values: of each row, of all variables that are wanted.
         arrived: the columns of arrivals in which something arrives, of each row.

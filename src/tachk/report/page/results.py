@@ -43,7 +43,7 @@ def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
         if needed <= document.keys():
             check_report(document, report, path, _KNOWN)
             return chapter(document)
-    raise UsageError(f"{path} is no result that can be shown", _KNOWN)
+    raise UsageError(f"{path} is not a result that can be shown", _KNOWN)
 
 
 # ---- sweeps ---------------------------------------------------------------------------------------------------------

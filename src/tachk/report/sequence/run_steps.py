@@ -115,7 +115,7 @@ def _chosen(document: object, file: str, name: str | None) -> tuple[dict[str, An
         found = [(run, result) for run in runs for result in run["results"] if result["trace"]]
         names = [result["name"] for _, result in found]
     except (KeyError, TypeError):
-        raise UsageError(f"{file} is no report of tachk verify", _HOW) from None
+        raise UsageError(f"{file} is not a report of tachk verify", _HOW) from None
     if not found:
         raise UsageError(f"{file} has no run of a model", _HOW)
     if name is not None and name not in names:

@@ -66,7 +66,7 @@ def as_expected(found: Estimate, expectation: Expectation | None) -> bool | None
     """True if an answer is the expected one, or a test without an expectation holds. None: no decision.
 
     UPPAAL calls every probability, mean and trajectory that it could find satisfied. So these hold, and cannot fail;
-    but trajectories that a condition picks fail where there is none, and a mean of no value is no answer.
+    but trajectories that a condition picks fail where there is none, and a mean of no value is not an answer.
     A run-time error in a run is never as expected.
     """
     if has_run_time_error(found):

@@ -32,7 +32,7 @@ class Errors:
         beta: of saying that it is large enough, where it is at most ``p - delta``.
         delta: half of the indifference region, within which both answers are right.
 
-    Raises UsageError where an error does not lie between 0 and 1, or delta is no number.
+    Raises UsageError where an error does not lie between 0 and 1, or delta is not a number.
     """
 
     alpha: float = 0.05
@@ -51,7 +51,7 @@ class RatioTest:
     def __init__(self, above: float, below: float, errors: Errors) -> None:
         """Raises ValueError unless 0 <= below < above <= 1."""
         if not 0 <= below < above <= 1:
-            raise ValueError(f"{below} to {above} is no region between two probabilities")
+            raise ValueError(f"{below} to {above} is not a region between two probabilities")
         self._hit = _logarithm(above) - _logarithm(below)
         self._miss = _logarithm(1 - above) - _logarithm(1 - below)
         self._holds = log(1 / errors.beta)

@@ -165,7 +165,7 @@ def estimate(network: Network, query: StatisticalQuery, settings: Settings) -> E
     Raises:
         UnsupportedError: the network is not simulated.
         UsageError: the bound is too long, the query measures something else than one clock, or splitting is chosen for
-            a query that is no probability.
+            a query that is not a probability.
         OutOfTimeError: the limit on time is over.
     """
     if settings.splitting is not None and not isinstance(query.question, Probability):

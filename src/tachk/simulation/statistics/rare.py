@@ -39,7 +39,7 @@ class Splitting:
         most: replications, after which an estimate ends that is not so narrow.
         zones: the number that is explored for the levels.
 
-    Raises UsageError where the share is no number.
+    Raises UsageError where the share is not a number.
     """
 
     relative: float = 0.1
@@ -84,7 +84,7 @@ def split(network: Network, path: PathProperty, source: RunSource, confidence: f
     """The probability of ``<> p`` or ``p U q``.
 
     Raises:
-        UsageError: the goal is no rare one: it is there at the start, or cannot be reached.
+        UsageError: the goal is not a rare one: it is there at the start, or cannot be reached.
         StoppedError: the limit on time is over.
     """
     if not isinstance(path, Path):

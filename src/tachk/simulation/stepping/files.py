@@ -30,7 +30,7 @@ def read_report(document: object, name: str, prop: str | None = None) -> Submitt
     """
     runs = document.get("runs") if isinstance(document, dict) else None
     if not isinstance(runs, list):
-        raise UsageError(f"{name} is no report of tachk verify", _HOW)
+        raise UsageError(f"{name} is not a report of tachk verify", _HOW)
     try:
         found = {
             str(result["name"]): (run["constants"], result["trace"])
@@ -92,7 +92,7 @@ def read_submitted(path: Path, prop: str | None = None) -> SubmittedRun:
             raise UsageError(f"{path}: --property chooses among the runs of a report of tachk verify")
         if path.suffix.lower() in (".xtr", ".xml", ".csv", ".vcd", ".jsonl"):
             raise UsageError(
-                f"{path}: this is no run that can be replayed",
+                f"{path}: this is not a run that can be replayed",
                 f"give a report of tachk verify --format json, or a run: tachk step saves one, and"
                 f" tachk simulate MODEL -o NAME{SUFFIX} writes it",
             )

@@ -215,7 +215,7 @@ def _unknown_characters(source: Source, start: int, stop: int, match: Match, lex
 
 
 def _slashes(text: str, place: int) -> str | None:
-    """The help for ``/\\`` and ``\\/``, whose backslash is no token."""
+    """The help for ``/\\`` and ``\\/``, whose backslash is not a token."""
     if text[place] != "\\":
         return None
     if text[place - 1 : place] == "/":

@@ -108,7 +108,7 @@ def opened(path: str | os.PathLike[str] | None, names: tuple[str, ...], parts: M
         with _transaction(database):
             _prepare(database, path, names, parts)
         yield Store(database, names, path)
-    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:  # the latter where a name in it is no text
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:  # the latter where a name in it is not a text
         advice = _ANOTHER if "not a database" in str(error) else "can the file be written?"
         raise UsageError(f"{path}: {error}", advice) from None
     finally:
@@ -134,7 +134,7 @@ def _prepare(
     tables = {name for (name,) in database.execute("select name from sqlite_master where type = 'table'")}
     if tables:
         if "campaign" not in tables:
-            raise UsageError(f"{path} is no file of a sweep", _ANOTHER)
+            raise UsageError(f"{path} is not a file of a sweep", _ANOTHER)
         known = dict(database.execute("select part, value from campaign"))
         for part, value in wanted.items():
             if known.get(part) != value:

@@ -65,7 +65,7 @@ def _folded(node: Any) -> Any:
 
 
 def _no_constant(expression: ast.Expression) -> int:
-    raise NotFollowed(NOWHERE, "it is no constant")
+    raise NotFollowed(NOWHERE, "it is not a constant")
 
 
 @dataclass(frozen=True, slots=True)

@@ -150,7 +150,7 @@ def _comparison(expression: ast.BinaryExpression) -> tuple[str, BinaryOperator, 
         raise NotFollowed(expression.span, f"`{expression.span.text}` is computed from signals")
 
     def unknown(part: ast.Expression) -> Fraction:
-        raise NotFollowed(expression.span, f"`{expression.span.text}` compares a signal with what is no number")
+        raise NotFollowed(expression.span, f"`{expression.span.text}` compares a signal with what is not a number")
 
     try:
         return print_expression(left), operator, value_of(right, unknown)

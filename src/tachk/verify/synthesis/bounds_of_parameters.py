@@ -95,7 +95,7 @@ class NoBound:
 
 
 class _Other(Exception):
-    """An occurrence that is no bound."""
+    """An occurrence that is not a bound."""
 
     def __init__(self, reason: str, span: Span) -> None:
         self.finding = NoBound(reason, span)
@@ -262,7 +262,7 @@ class _Occurrences:
     def in_condition(self, node: Expression, positive: bool) -> _Found:
         """The bounds in a condition, or in its negation where ``positive`` is false.
 
-        Raises _Other for an occurrence that is no bound.
+        Raises _Other for an occurrence that is not a bound.
         """
         if self._place(node) is None:
             return

@@ -1,4 +1,4 @@
-"""Links that stop for good, and Agents that do: what is no single loss, since nothing follows that repairs it."""
+"""Links that stop for good, and Agents that do: what is not a single loss, since nothing follows that repairs it."""
 
 from __future__ import annotations
 

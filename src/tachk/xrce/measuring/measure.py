@@ -112,7 +112,7 @@ def measure(*files: str | Path, ports: Iterable[int] = ()) -> Measurement:
         ports: of Agents, and of relays that were recorded on both sides; without any 8888 and wherever a session is
             created.
 
-    Raises UsageError for what is no capture, OSError for a file that cannot be read.
+    Raises UsageError for what is not a capture, OSError for a file that cannot be read.
     """
     wanted = tuple(ports)
     recordings = tuple((Path(file).name, _read(Path(file), wanted)) for file in files)

@@ -3,7 +3,7 @@
 Each packet is known by its kind, its way and its count, from the first sample on. What the model loses is dropped. What
 it delivers must not reach the receiver before what the receiver has sent and got earlier in the run: a packet is held
 until that has passed. Who holds all packets so lets both ends see what they see in the run, as long as they send the
-same; the times in between are those of the real network. Holding is left out where the order is no choice of the
+same; the times in between are those of the real network. Holding is left out where the order is not a choice of the
 network: an answer comes after what it answers, and packets that nobody holds do not overtake each other.
 """
 

@@ -55,7 +55,7 @@ def parse_fault_plan(source: Source, ports: Collection[int] = ()) -> tuple[Relay
         source: the script.
         ports: where the relay listens; empty where that does not matter.
 
-    Raises InputError with a diagnostic for each line that is no rule.
+    Raises InputError with a diagnostic for each line that is not a rule.
     """
     rules: list[RelayRule] = []
     problems: list[Diagnostic] = []

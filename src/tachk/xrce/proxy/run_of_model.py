@@ -94,7 +94,7 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
 def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, int], list[dict[str, Any]]]:
     runs = document.get("runs") if isinstance(document, dict) else None
     if not isinstance(runs, list):
-        raise UsageError(f"{name} is no report of tachk verify", REPORT_WITH_RUN)
+        raise UsageError(f"{name} is not a report of tachk verify", REPORT_WITH_RUN)
     try:
         found = {
             result["name"]: (run["constants"], result["trace"])
@@ -103,7 +103,7 @@ def _trace(document: object, name: str, prop: str | None) -> tuple[Mapping[str, 
             if result["trace"]
         }
     except (KeyError, TypeError, AttributeError):
-        raise UsageError(f"{name} is no report of tachk verify", REPORT_WITH_RUN) from None
+        raise UsageError(f"{name} is not a report of tachk verify", REPORT_WITH_RUN) from None
     if not found:
         raise UsageError(
             f"{name} has no run of a model: no property is shown false, no state is found in it", REPORT_WITH_RUN
@@ -159,7 +159,7 @@ class _RunDecoder:
     def number(self, name: str, channel: str) -> int:
         """The link, client or number of a name."""
         if not is_whole(name) and name not in self.constants:
-            raise UsageError(f"{channel}: {name} is no constant of the model")
+            raise UsageError(f"{channel}: {name} is not a constant of the model")
         return int(name) if is_whole(name) else self.constants[name]
 
     def message(self, client: int, way: PacketDirection, kind: SubmessageKind) -> ModelMessage:

@@ -106,7 +106,7 @@ class CaptureSignals:
 
 
 def read_recorded(stream: BinaryIO, ports: Iterable[int], signals: bool = True) -> CaptureSignals:
-    """The signals of a capture. Raises CaptureError for a file that is no capture.
+    """The signals of a capture. Raises CaptureError for a file that is not a capture.
 
     Args:
         ports: of Agents; without any 8888, and each one to which a session is created.

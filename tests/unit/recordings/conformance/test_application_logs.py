@@ -57,7 +57,7 @@ def test_events_of_a_log_are_put_where_their_time_is() -> None:
 
 
 def test_what_a_log_reports_behind_a_sample_happens_after_it() -> None:
-    """The CREATE is no sample."""
+    """The CREATE is not a sample."""
     start = 5 * 10**9
     rows = [event(start + 19, "written", client="0"), event(start + 29, "written", client=0)]
     found = with_log(RUN, log(*rows, event(start + 31, "told", client=0, what="BACK")))
@@ -129,7 +129,7 @@ def test_on_the_command_line(tmp_path: Path, said: str, status: int) -> None:
 
 
 def test_one_row_stands_for_one_sample_of_a_message_with_several() -> None:
-    """A call between the rows of its first two samples is no call behind the message."""
+    """A call between the rows of its first two samples is not a call behind the message."""
     several = recording(event(20, "written", client=0, detail=2 * 65536), event(30, "written", client=0, detail=3))
     rows = [event(time, "written", client=0) for time in (11, 13, 15)]
     calls = [event(time, "told", client=0, what="CALLED") for time in (12, 16, 32)]

@@ -172,7 +172,7 @@ def test_several_recordings() -> None:
     ("files", "status"), [(("pressed.csv", "pressed.csv"), 20), (("too_soon.csv", "pressed.csv"), 10)]
 )
 def test_exit_status_of_several_recordings(files: tuple[str, ...], status: int) -> None:
-    """One that is no run weighs more than one that is not decided."""
+    """One that is not a run weighs more than one that is not decided."""
     limit = ["--max-states", "4"]
     found = CliRunner().invoke(
         app, ["conform", str(MODEL), *(str(ROOT / "examples/dimmer" / f) for f in files), *limit]
@@ -204,8 +204,8 @@ def test_order_of_what_was_sent_and_what_arrives(tmp_path: Path) -> None:
         (f"3,light,1,{'9' * 5000}\n", r"line 2: level is `999999999999999999999999999999\.\.\.`, which is neither"),
         ("2,press,,\n2147483647,press,,\n", "line 3, may happen more than 2147483647 units"),
         ("1e999,press,,\n", "line 2, may happen more than"),
-        ("1e999999999,press,,\n", "line 2: `1e999999999` is no time"),
-        ("x,press,,\n", "is no time"),
+        ("1e999999999,press,,\n", "line 2: `1e999999999` is not a time"),
+        ("x,press,,\n", "is not a time"),
         ("3,press,,\n2,press,,\n", "backwards"),
     ],
 )
@@ -241,7 +241,7 @@ def test_an_explanation_can_be_left_out() -> None:
     assert found[0].refusal is None and found[0].edit is None
     assert found[1].refusal is not None and found[1].edit is not None
     assert len(conformance_to_text(found[0], "dimmer.ta").splitlines()) == 3
-    with pytest.raises(tachk.UsageError, match="no kind of explanation"):
+    with pytest.raises(tachk.UsageError, match="not a kind of explanation"):
         tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv", explain="long")
 
 

@@ -56,11 +56,11 @@ def test_locations_are_named_in_answers(tmp_path: Path) -> None:
     assert written["answers"][0]["refusal"]["allowed"][0]["cells"] == {"on": 0, "level": 0, "Lamp": "Off"}
     wrong = answer(tmp_path, model, "Lamp", "Waking", "Off")
     assert wrong.edit is not None and wrong.edit.cells[-1] == ("Lamp", "On")
-    with pytest.raises(UsageError, match=r"line 4: Lamp is `Of`, which is no location of the process"):
+    with pytest.raises(UsageError, match=r"line 4: Lamp is `Of`, which is not a location of the process"):
         answer(tmp_path, model, "Lamp", "On", "Of")
     file = tmp_path / "events.jsonl"
     file.write_text('{"time": 2, "event": "press"}\n{"time": 6, "event": "light", "on": 1, "level": 7, "Lamp": true}\n')
-    with pytest.raises(UsageError, match=r"line 2: Lamp is `1`, which is no location"):
+    with pytest.raises(UsageError, match=r"line 2: Lamp is `1`, which is not a location"):
         tachk.conform(model, file)
 
 

@@ -105,7 +105,7 @@ def test_what_is_found_near_is_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_the_whole_recording_decides() -> None:
-    """What is found near is no answer yet."""
+    """What is found near is not an answer yet."""
     model = tachk.load(ROOT / "examples/dimmer/dimmer.ta")
     mapping, names = model.loaded.recording, constants_of(model.loaded)
     assert mapping is not None

@@ -60,7 +60,7 @@ def test_given_constants_have_their_value_in_both(folder: Path) -> None:
     ("clauses", "message"),
     [
         ('import "recorded.ta" (WAIT); tolerance 3;', "says nothing else"),
-        ('import "recorded.ta" (WAIT = n);', "no constant"),
+        ('import "recorded.ta" (WAIT = n);', "not a constant"),
     ],
 )
 def test_mistakes(clauses: str, message: str) -> None:

@@ -56,7 +56,7 @@ def arrivals(path: object, topic: str, *others: str) -> list[float]:
 def test_a_change_in_a_dump_is_an_arrival_also_without_another_value(tmp_path: Path) -> None:
     path = dump(tmp_path)
     assert arrivals(path, "bus.tick") == [2, 5, 12]
-    assert arrivals(path, "bus.word") == [2, 5]  # x is no value, a checkpoint no change
+    assert arrivals(path, "bus.word") == [2, 5]  # x is not a value, a checkpoint no change
     assert arrivals(path, "bus.ack") == [3, 9]
     assert arrivals(path, "bus.sub") == []
     assert arrivals(path, "bus") == [2, 3, 5, 9, 12]

@@ -27,7 +27,7 @@ def test_lists_arrays_and_missing_values() -> None:
             "n": [0, 1, 1],
         }
     ).read()
-    assert trace.times.tolist() == [0, 10**8, 2 * 10**8]  # 0.1 + 0.2 is no short decimal: rounded to 9 decimals
+    assert trace.times.tolist() == [0, 10**8, 2 * 10**8]  # 0.1 + 0.2 is not a short decimal: rounded to 9 decimals
     assert trace.origin == Fraction(1, 10)
     assert trace.columns["p"].tolist() == [1, 1, 0]
     assert trace.columns["x"].tolist() == [1.5, 1.5, 2.0]

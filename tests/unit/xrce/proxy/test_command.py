@@ -46,8 +46,8 @@ def test_the_rules_of_scripts_of_the_command_line_and_of_a_run_are_shown(
         (("--listen", "1", "--rule", "drop DAT"), "--rule:1:6: error[E0952]"),
         (("--listen", "1", "--script", "gone"), "gone: No such file or directory"),
         (("--listen", "1", "--script", "binary"), "binary is not text in UTF-8"),
-        (("--listen", "1", "--from-trace", "binary"), "binary is no text in UTF-8"),
-        (("--listen", "1", "--from-trace", "list"), "list is no result of tachk"),
+        (("--listen", "1", "--from-trace", "binary"), "binary is not a text in UTF-8"),
+        (("--listen", "1", "--from-trace", "list"), "list is not a result of tachk"),
     ],
 )
 def test_wrong_options_get_a_message(

@@ -147,13 +147,13 @@ def test_channels_may_stand_there_by_numbers_and_copies_are_duplicates() -> None
 @pytest.mark.parametrize(
     ("document", "message"),
     [
-        ([], "no report of tachk verify"),
-        ({"runs": [{"results": 3}]}, "no report of tachk verify"),
+        ([], "not a report of tachk verify"),
+        ({"runs": [{"results": 3}]}, "not a report of tachk verify"),
         ({"runs": []}, "has no run of a model"),
         (report(), "no message is sent"),
         (report(state("send[PUB_UP][GOSSIP]", "publisher", "l")), r"send\[PUB_UP\]\[GOSSIP\]: it is not known"),
         (report(state("send[SUB_DOWN][PING]", "reader", "l")), "it is not known"),
-        (report(state("send[NO_LINK][DATA]", "reader", "l")), "NO_LINK is no constant"),
+        (report(state("send[NO_LINK][DATA]", "reader", "l")), "NO_LINK is not a constant"),
         (report(state("deliver[PUB_UP][DATA]", "l", "writer")), "delivers WRITE_DATA that was not sent"),
     ],
 )

@@ -92,7 +92,7 @@ class BridgeArguments:
 
 
 def run_bridge(arguments: BridgeArguments) -> ExitStatus:
-    """Raises UsageError for a part that is no end of a session, OSError for a port that is taken."""
+    """Raises UsageError for a part that is not an end of a session, OSError for a port that is taken."""
     from tachk.cli.arguments import parse_definitions
     from tachk.cli.places import place
     from tachk.cli.simulated_model import simulated_model

@@ -44,7 +44,7 @@ def command(seconds: float | None, **given: Any) -> None:
     """Print the DDS-XRCE messages in a capture, a line for each submessage.
 
     FILE is a pcap or pcapng capture; - reads one from standard input as it comes, for instance from tcpdump -w -.
-    What goes to or from the port and is no message of DDS-XRCE gets a line that says malformed, and why.
+    What goes to or from the port and is not a message of DDS-XRCE gets a line that says malformed, and why.
 
     The exit status is 0 if FILE is a capture, whatever is in it, and 2 if it is none.
     """
@@ -73,7 +73,7 @@ class Decoding:
 
 
 def run_decode(decoding: Decoding) -> ExitStatus:
-    """Raises UsageError for a file that is no capture."""
+    """Raises UsageError for a file that is not a capture."""
     from tachk.xrce.events import DEFAULT_PORT, decode, decode_serial
     from tachk.xrce.packets import CaptureError
     from tachk.xrce.report.json import event_to_json

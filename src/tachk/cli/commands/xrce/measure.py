@@ -68,7 +68,7 @@ class MeasureArguments:
 
 
 def run_measure(measuring: MeasureArguments) -> ExitStatus:
-    """Raises UsageError for a file that is no capture, for a model without a unit of time, and for a capture with
+    """Raises UsageError for a file that is not a capture, for a model without a unit of time, and for a capture with
     something of which a model for recordings does not speak."""
     from tachk.xrce.conformance.packet_events import read_capture
     from tachk.xrce.measuring.measure import measure

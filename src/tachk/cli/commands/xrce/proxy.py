@@ -92,7 +92,7 @@ class Proxying:
 
 
 def run_proxy(proxying: Proxying) -> ExitStatus:
-    """Raises InputError for a line that is no rule, UsageError for a wrong option, OSError for a port that is taken."""
+    """Raises InputError for a line that is not a rule, UsageError for a wrong option, OSError for a used port."""
     import asyncio
 
     from tachk.cli.places import place
