@@ -56,6 +56,7 @@ SECTIONS = {
     "Explain results": {
         "explain": "Explain a message, a formula or a sentence.",
         "report": "Write an HTML page with verdicts, runs and pictures.",
+        "mcp": "Offer tachk's tools to an agent, by the Model Context Protocol.",
     },
 }
 """The commands by their sections of the help, each with its first line, so that the help need not import them."""
@@ -70,7 +71,7 @@ FOLDERS = {
 }
 """The commands about one protocol, which stand under its name."""
 
-HIDDEN = ("verifyta", "completion", "mcp")
+HIDDEN = ("verifyta", "completion")
 """Commands that the help does not list: for scripts that call another program, for shells, for clients of agents."""
 
 _OTHERS = "More commands"
@@ -206,8 +207,8 @@ _CONTEXT = {"help_option_names": ["-h", "--help"]}
 def app() -> None:
     """Check protocols and controllers whose correctness depends on time.
 
-    Exit status: 0 as expected, 10 not as expected, 20 unknown or a limit was hit, 2 wrong input or options, 3 not
-    supported, 70 a defect of tachk; the first of 70, 2, 10, 3, 20, 0 that applies.
+    Exit status: 0 as expected, 10 not as expected, 20 unknown or a limit was hit,
+    2 wrong input or options, 3 not supported, 70 a defect of tachk.
     """
 
 
