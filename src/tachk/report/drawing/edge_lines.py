@@ -11,7 +11,7 @@ from typing import TypeVar
 from tachk.syntax.picture_layout import Point
 
 ARROW_LENGTH, ARROW_WIDTH = 11, 4.5
-_APART = 0.62
+_HEAD_ANGLE = 0.62
 """The angle between two arrow heads at a circle of a location: they do not overlap then."""
 
 _FAR, _WIDE = 1.25, 1.6
@@ -53,15 +53,15 @@ def ends_on_rims(routes: Mapping[Key, RouteEnds]) -> dict[Key, tuple[Place, Plac
 
 def _spread(ends: Sequence[tuple[Key, int]], angles: dict[tuple[Key, int], float]) -> None:
     """Moves ends at one node apart from each other, each as little as needed."""
-    if not 1 < len(ends) <= 2 * pi / _APART:
+    if not 1 < len(ends) <= 2 * pi / _HEAD_ANGLE:
         return
     for _ in range(_ROUNDS):
         order = sorted(ends, key=lambda end: angles[end] % (2 * pi))
         for one, other in zip(order, (*order[1:], order[0]), strict=True):
             between = (angles[other] - angles[one]) % (2 * pi)
-            if between < _APART - 1e-6:
-                angles[one] -= (_APART - between) / 2
-                angles[other] += (_APART - between) / 2
+            if between < _HEAD_ANGLE - 1e-6:
+                angles[one] -= (_HEAD_ANGLE - between) / 2
+                angles[other] += (_HEAD_ANGLE - between) / 2
 
 
 def _at(route: RouteEnds, end: int, angle: float) -> Place:
