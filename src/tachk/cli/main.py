@@ -56,7 +56,7 @@ SECTIONS = {
     "Explain results": {
         "explain": "Explain a message, a formula or a sentence.",
         "report": "Write an HTML page with verdicts, runs and pictures.",
-        "mcp": "Offer tachk's tools to an agent, by the Model Context Protocol.",
+        "mcp": "Offer tachk's tools to an agent (Model Context Protocol).",
     },
 }
 """The commands by their sections of the help, each with its first line, so that the help need not import them."""
@@ -72,7 +72,7 @@ FOLDERS = {
 """The commands about one protocol, which stand under its name."""
 
 HIDDEN = ("verifyta", "completion")
-"""Commands that the help does not list: for scripts that call another program, for shells, for clients of agents."""
+"""Commands that the help does not list: for scripts that call another program, and for shells."""
 
 _OTHERS = "More commands"
 """The section of commands that stand in the folder but not in a section."""
