@@ -107,8 +107,8 @@ def answer_schema(result: Mapping[str, Any], definitions: Mapping[str, Any]) -> 
                         "kind": {"enum": [kind.value for kind in EvidenceKind]},
                         "checked": {
                             "type": "boolean",
-                            "description": "Whether a judge that shares no code with the search accepted it in this "
-                            "call; false: the answer is not judged.",
+                            "description": "Whether a judge other than the search accepted it in this call; false: "
+                            "the answer is not judged.",
                         },
                         "how": {"type": "string", "description": "What was checked, or why it was not."},
                     },
