@@ -12,6 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import jsonschema
@@ -205,6 +206,25 @@ def test_tools_answer_without_a_server() -> None:
     assert call("verify", {"model": FISCHER, "seconds": 1e-9}, DEFAULT_CEILINGS).text.startswith(
         "error: the time limit"
     )
+
+
+def test_an_answer_stays_where_no_time_is_left_for_its_evidence(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = 0.0
+    found_in_time = tachk.Model.verify
+
+    def verify(*arguments: Any, **named: Any) -> tachk.Report:
+        nonlocal late
+        report = found_in_time(*arguments, **named)
+        late = 1e6
+        return report
+
+    monkeypatch.setattr(tachk.Model, "verify", verify)
+    monkeypatch.setattr("tachk.base.job.monotonic", lambda: monotonic() + late)
+    found = call("verify", {"model": FISCHER, "constants": {"N": 2, "WAIT": 9}}, DEFAULT_CEILINGS).structured
+    assert found is not None
+    assert set(answers(dict(found)).values()) == {"holds", "fails"}
+    assert {(kind, checked) for _, kind, checked in evidence(dict(found))} == {("run", True), ("none", False)}
+    assert all("time limit" in each["how"] for each in found["evidence"] if not each["checked"])
 
 
 def test_the_example_of_the_instructions_has_no_finding() -> None:

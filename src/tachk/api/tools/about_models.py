@@ -11,11 +11,11 @@ from tachk.api.checking import check_model
 from tachk.api.tools.answer import Evidence, ToolAnswer, answer
 from tachk.api.tools.evidence import evidence_of, replayed
 from tachk.api.tools.inputs import model_source, read_model
-from tachk.api.tools.limits import ToolLimits
+from tachk.api.tools.limits import GRACE, ToolLimits
 from tachk.base.diagnostics.diagnostic import InputError, Severity
 from tachk.base.diagnostics.explanation import CODE, all_explanations, message_text
 from tachk.base.diagnostics.render import render
-from tachk.base.job import current_job
+from tachk.base.job import current_job, unhurried
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.report.check_report import Checked, checks_to_json
 from tachk.report.deep_report import print_deep_check
@@ -40,10 +40,12 @@ def check(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
         else:
             found = replace(found, deep=result, network=model.network)
             out = StringIO()
-            print_deep_check(model.network, result, out)
+            with unhurried(GRACE):
+                print_deep_check(model.network, result, out)
             deep = out.getvalue()
             evidence = [replayed(model.network, each.finding.code, each.run) for each in result.evidence]
-    (written,) = checks_to_json([found])["models"]
+    with unhurried(GRACE):
+        (written,) = checks_to_json([found])["models"]
     text = "\n".join(render(each) for each in found.everything)
     return answer(_check_summary(found), written, f"{text}\n\n{deep}".strip("\n"), evidence, limits)
 
@@ -86,11 +88,12 @@ def verify(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
             replace(limits.of_search(), seconds=current_job().seconds_left),
         )
     )
-    left_out, record = _without_long_runs(report.record, shown)
-    warnings = [render(each) for each in (*model.refusals, *model.warnings)]
-    summary = repr(report).removeprefix("<Report on ").removesuffix(">")
-    text = _text(record, shown == "all")
-    return answer(summary, run_to_json(record), text, evidence, limits, (*warnings, *left_out))
+    with unhurried(GRACE):
+        left_out, record = _without_long_runs(report.record, shown)
+        warnings = [render(each) for each in (*model.refusals, *model.warnings)]
+        summary = repr(report).removeprefix("<Report on ").removesuffix(">")
+        text = _text(record, shown == "all")
+        return answer(summary, run_to_json(record), text, evidence, limits, (*warnings, *left_out))
 
 
 def _without_long_runs(record: RunRecord, shown: str) -> tuple[list[str], RunRecord]:

@@ -10,10 +10,10 @@ from typing import Any
 from tachk.api.model import Model
 from tachk.api.tools.answer import Evidence, EvidenceKind, ToolAnswer, answer, answer_schema, report_schema
 from tachk.api.tools.inputs import read_model
-from tachk.api.tools.limits import ToolLimits
+from tachk.api.tools.limits import GRACE, ToolLimits
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.base.diagnostics.render import render
-from tachk.base.job import check_job
+from tachk.base.job import StoppedError, check_job, unhurried
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
 from tachk.engine.simulation.policy import Policy
@@ -68,7 +68,8 @@ def simulate(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
     tally = Tally()
     drawn = runs.draw(drawing, range(heading.runs), RecordedChanges(shown > 0, bool(formulas or wanted.done)))
     take_until_stopped(drawn, partial(take_run, runs, formulas, wanted, tally, keep, False), tally)
-    found = [_drawn_run(model, run, constants, not arguments.get("faults")) for run in shown_runs]
+    with unhurried(GRACE):
+        found = [_drawn_run(model, run, constants, not arguments.get("faults")) for run in shown_runs]
     result = {
         "totals": tally_to_json(heading, tally, {each.name: each.text for each in formulas}),
         "runs": [
@@ -95,7 +96,10 @@ def _drawn_run(model: Model, run: Simulated, constants: Mapping[str, object], as
         check_determined(model.network)
     except UsageError as error:
         return text, Evidence(about, EvidenceKind.RUN, False, error.message)
-    replayed = replay_submitted(names, read_run_file(Source(_RUN_TEXT, text)))
+    try:
+        replayed = replay_submitted(names, read_run_file(Source(_RUN_TEXT, text)))
+    except StoppedError as error:
+        return text, Evidence(about, EvidenceKind.RUN, False, f"no time was left to replay the run: {error.reason}")
     if replayed.refusal is None:
         how = f"all {len(replayed.trace.steps)} steps replayed by the reference semantics"
         return text, Evidence(about, EvidenceKind.RUN, True, how)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from io import BytesIO
 
 from tachk.api.tools.answer import Evidence, EvidenceKind
-from tachk.base.job import StoppedError
+from tachk.api.tools.limits import GRACE
+from tachk.base.job import StoppedError, unhurried
 from tachk.engine.options import Limits, Options
 from tachk.formats.network_json.digest import digest
 from tachk.meaning.discrete import prepare
@@ -57,6 +58,7 @@ def _of_values(network: Network, verdict: Verdict) -> Iterator[Evidence]:
         yield Evidence(name, EvidenceKind.RUN, False, how)
 
 
+@unhurried(GRACE)
 def replayed(network: Network, about: str, run: TimedTrace) -> Evidence:
     """The evidence of a run that the reference semantics executes once more."""
     try:
@@ -69,6 +71,7 @@ def replayed(network: Network, about: str, run: TimedTrace) -> Evidence:
     return Evidence(about, EvidenceKind.RUN, True, f"all {steps} replayed by the reference semantics")
 
 
+@unhurried(GRACE)
 def _of_run(network: Network, verdict: Verdict, run: TimedTrace) -> Evidence:
     """A finite run against a condition ends where the condition says; of other runs the steps are replayed."""
     query = verdict.query
@@ -91,9 +94,8 @@ def _of_proof(network: Network, verdict: Verdict, certificates: str, limits: Lim
     if certificates == "auto" and states > MOST_STATES:
         how = f"the search stored {states:,} states; certificates='always' makes and checks a certificate"
         return Evidence(name, EvidenceKind.NONE, False, how)
-    model = digest(network)
     try:
-        proof = find_proof(network, model, verdict.query, Options(), limits)
+        proof = find_proof(network, digest(network), verdict.query, Options(), limits)
         if isinstance(proof, str):
             return Evidence(name, EvidenceKind.NONE, False, f"no certificate: {proof}")
         return _of_certificate(network, verdict, proof)

@@ -52,6 +52,9 @@ class ToolLimits:
             yield
 
 
+GRACE = 5.0
+"""Seconds for writing down what was found when the time of a call is over."""
+
 DEFAULT_LIMITS = ToolLimits(seconds=30, megabytes=1024, states=1_000_000)
 """Of a call that names none: short enough for whoever waits for the answer."""
 
