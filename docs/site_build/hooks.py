@@ -16,7 +16,7 @@ from mkdocs.structure.files import File, Files  # noqa: E402
 
 from docs.site_build import highlighting  # noqa: E402
 from docs.site_build.contents import Contents, build_contents  # noqa: E402
-from docs.site_build.markdown import titled_fences  # noqa: E402
+from docs.site_build.markdown import bars_in_tables, titled_fences  # noqa: E402
 from docs.site_build.site_files import expanded  # noqa: E402
 
 HOME = "README.md"
@@ -48,4 +48,4 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         page.meta["hide"] = ["navigation", "toc"]
     origins = {file.path: file.origin for file in _built[0].files}
     origin = origins.get(path) or f"docs/{path}"
-    return titled_fences(_built[0].links.rewritten(markdown, origin, path))
+    return bars_in_tables(titled_fences(_built[0].links.rewritten(markdown, origin, path)))

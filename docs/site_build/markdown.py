@@ -66,5 +66,19 @@ def joined(*parts: str) -> str:
 
 
 def titled_fences(text: str) -> str:
-    """Fences with a file name after their language, as the pages have them, get that name as a title."""
-    return re.sub(r"^```(\w+) ([\w./-]+)$", r'```\1 title="\2"', text, flags=re.MULTILINE)
+    """Fences with words after their language, as pages have them: a file name becomes their title, the rest goes."""
+
+    def begin(found: re.Match[str]) -> str:
+        file = found["words"] if re.fullmatch(r"[\w/-]+\.[\w.]+", found["words"]) else ""
+        return f'{found["begin"]} title="{file}"' if file else found["begin"]
+
+    return re.sub(r"^(?P<begin>```\w+) (?P<words>(?!title=).*)$", begin, text, flags=re.MULTILINE)
+
+
+def bars_in_tables(text: str) -> str:
+    """Tables with plain bars in their code: the Markdown of mkdocs knows no backslash there, code hosts need one."""
+
+    def row(found: re.Match[str]) -> str:
+        return re.sub(r"`[^`\n]+`", lambda span: span[0].replace("\\|", "|"), found[0])
+
+    return re.sub(r"^\|.*\|$", row, text, flags=re.MULTILINE)

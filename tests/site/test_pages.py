@@ -15,7 +15,7 @@ from docs.site_build.docstrings import readable
 from docs.site_build.gallery import comment_as_markdown, first_comment, gallery_section, models
 from docs.site_build.highlighting import ModelLexer, keywords
 from docs.site_build.links import SiteLinks, local_links
-from docs.site_build.markdown import code, fence, plain, titled_fences
+from docs.site_build.markdown import bars_in_tables, code, fence, plain, titled_fences
 from docs.site_build.site_files import ROOT, Section, SiteFile, expanded, paths_of
 from docs.site_build.verdicts import Answered, ModelVerdicts, find_verdicts, kept_verdicts
 
@@ -97,6 +97,18 @@ def test_text_is_quoted() -> None:
     assert code("a`b") == "``a`b``"
     assert fence("```", "text") == "````text\n```\n````"
     assert titled_fences("```ta lamp.ta\nx\n```") == '```ta title="lamp.ta"\nx\n```'
+    assert titled_fences("```ta refused E0331\nx\n```") == "```ta\nx\n```"
+    assert titled_fences('```ta title="a b"\n') == '```ta title="a b"\n'
+    assert bars_in_tables("| `p \\|\\| q` | a \\| b |\n`\\|`") == "| `p || q` | a \\| b |\n`\\|`"
+
+
+@pytest.mark.parametrize("name", pages_of_docs())
+def test_the_markdown_of_pages_is_that_of_mkdocs(name: str) -> None:
+    """Fences that it does not know would swallow the headings below; HTML hides Markdown inside it."""
+    text = titled_fences(pages_of_docs()[name])
+    begun = [line for line in re.findall(r"^```.*$", text, re.MULTILINE) if line != "```"]
+    assert [line for line in begun if not re.fullmatch(r'```+\w+( title="[^"]+")?', line)] == []
+    assert "<details>" not in text, "<details markdown> lets Markdown stand inside"
 
 
 def test_sections_are_put_into_the_navigation() -> None:
