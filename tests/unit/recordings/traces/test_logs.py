@@ -99,7 +99,7 @@ def test_texts_row_by_row() -> None:
     monitor.update(5, mode="ready")
     assert monitor.update(8, {"other": "x"}) is Truth.FALSE
     assert monitor.verdicts[0].story is not None
-    with pytest.raises(UsageError, match="no text"):
+    with pytest.raises(UsageError, match="not a text"):
         monitor.update(9, mode=3)
 
 

@@ -77,6 +77,7 @@ async def busy(file: io.BytesIO) -> list[tuple[int, int]]:
         ready = asyncio.Event()
         running = asyncio.create_task(Relay(plan, Decisions(()), CaptureWriter(file)).run(ready.set))
         await ready.wait()
+        until_datagrams_are_stamped()
         for number, client, port in ((1, second, ports[1]), (2, first, ports[0]), (3, second, ports[1])):
             begin = time.time_ns()
             client.sendto(write_data(number), ("127.0.0.1", port))
@@ -89,6 +90,21 @@ async def busy(file: io.BytesIO) -> list[tuple[int, int]]:
         with pytest.raises(asyncio.CancelledError):
             await running
     return spans
+
+
+def until_datagrams_are_stamped() -> None:
+    """Waits until the kernel notes when a datagram comes, which it begins to do a little after a socket wants it."""
+    with bound() as own:
+        own.setsockopt(socket.SOL_SOCKET, 35, 1)  # SO_TIMESTAMPNS
+        stamped = False
+        while not stamped:
+            own.sendto(b"x", own.getsockname())
+            while not waiting(own.getsockname()[1]):
+                pass
+            sent = time.time_ns()
+            _, ((_, _, stamp),), *_ = own.recvmsg(1, 64)
+            seconds, nanoseconds = struct.unpack("@2l", stamp)
+            stamped = seconds * 1_000_000_000 + nanoseconds < sent
 
 
 def waiting(port: int) -> int:
