@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from tachk.base.arguments import checked_arguments
@@ -143,6 +142,7 @@ class Estimable:
             UnsupportedError: something cannot be simulated.
         """
         from tachk.simulation.fault_injection import read_plan, with_faults
+        from tachk.simulation.simulated import simulated
         from tachk.simulation.statistics.estimate import Settings, estimate
         from tachk.simulation.statistics.sampling import RunSource
 
@@ -188,6 +188,7 @@ def answers_among(
 
     if not any(map(is_statistical, formulas)):
         return {}
+    from tachk.simulation.simulated import simulated
     from tachk.simulation.statistics.answers import answer_statistical
     from tachk.simulation.statistics.estimate import Settings
     from tachk.simulation.statistics.sampling import RunSource
@@ -214,17 +215,3 @@ def _chosen_queries(loaded: LoadedModel, queries: tuple[str, ...]) -> Iterator[A
     for query in formulas:
         if is_statistical(query):
             yield reader.read(query)
-
-
-def simulated(loaded: LoadedModel, path: str) -> LoadedModel:
-    """The model with the floating point variables and hybrid clocks that a search leaves out, if it was read."""
-    from tachk.base.span import Source
-    from tachk.formats.loading.load import load_model
-    from tachk.frontend.hybrid_clocks import hybrid_clocks
-
-    leaves_out = any(warning.code == "W0406" for warning in loaded.warnings) or bool(loaded.refusals)
-    if not leaves_out and not hybrid_clocks(loaded.items):
-        return loaded
-    constants = {name: value.span.text for name, value in loaded.overrides.items()}
-    written: str | Source = path if Path(path).is_file() else loaded.document.span.source
-    return load_model(written, constants, keeps_doubles=True)

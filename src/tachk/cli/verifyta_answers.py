@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TextIO
 
 from tachk.api import model as api
-from tachk.api.estimating import simulated
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import is_interrupted
 from tachk.base.span import Source as Text
@@ -45,6 +44,7 @@ from tachk.report.verifyta_report import (
     summary_lines,
     verdict_lines,
 )
+from tachk.simulation.simulated import simulated
 from tachk.simulation.statistics.answers import answer_statistical, has_run_time_error
 from tachk.simulation.statistics.deciding import Errors
 from tachk.simulation.statistics.estimate import Settings

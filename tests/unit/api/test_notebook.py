@@ -236,6 +236,19 @@ def test_functions_take_models_and_paths_alike(tmp_path: Path) -> None:
         assert len(tachk.simulate(one, runs=2, until=9)) == 2
 
 
+def test_a_loaded_model_is_simulated_as_its_file_is(tmp_path: Path) -> None:
+    path = tmp_path / "doubled.ta"
+    path.write_text(
+        "double d = 0.5; int n; process P() { clock x; init location a { invariant x <= 2; "
+        "to a { guard x >= 1; assign x = 0, d = d * 2.0, n = n + 1; } } } system P;",
+        encoding="utf-8",
+    )
+    for one in (path, tachk.load(path), tachk.loads(path.read_text(encoding="utf-8"))):
+        (run,) = tachk.simulate(one, until=10)
+        assert run["d"].dtype == "float64" and run["n"].dtype == "int64"
+        assert run["d"][-1] == 0.5 * 2 ** run["n"][-1]
+
+
 def test_a_model_and_its_values_have_a_token_for_dask() -> None:
     tokenize = pytest.importorskip("dask.base").tokenize
     first, same, other = tachk.loads(PLAIN), tachk.loads(PLAIN), tachk.loads(PLAIN, C=2)

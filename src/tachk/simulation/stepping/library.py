@@ -20,6 +20,7 @@ from tachk.base.notebook import html_table, preformatted
 from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.formats.loading.load import load_model
+from tachk.frontend.loaded import LoadedModel
 from tachk.meaning.run_view import RunNames, Snapshot, TraceView, rows_of_run, view_trace
 from tachk.model.network import Network
 from tachk.model.quantity import decimal
@@ -28,6 +29,7 @@ from tachk.recordings.traces.trace import Trace
 from tachk.simulation.columns import all_columns, chosen_columns, columns_for
 from tachk.simulation.fault_injection import read_plan, with_faults
 from tachk.simulation.runs import Runs
+from tachk.simulation.simulated import simulated
 from tachk.simulation.stepping.files import check_determined, read_submitted
 from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.replaying import replay_submitted
@@ -235,7 +237,11 @@ class Replay:
 
 
 def _network_of(model: HasNetwork | str | os.PathLike[str]) -> Network:
-    return load_model(model, keeps_doubles=True).network if isinstance(model, str | os.PathLike) else model.network
+    """With the floating point variables and hybrid clocks of its text, which `tachk.load` leaves out."""
+    if isinstance(model, str | os.PathLike):
+        return load_model(model, keeps_doubles=True).network
+    loaded = getattr(model, "loaded", None)
+    return simulated(loaded, getattr(model, "path", "")).network if isinstance(loaded, LoadedModel) else model.network
 
 
 @checked_arguments
@@ -255,8 +261,8 @@ def simulate(
     """Draws random runs of a model. docs/simulation.md says what they are.
 
     Args:
-        model: such as `tachk.load` gives it, or the path of one. Only then floating point variables are part of the
-            state; `tachk.load` leaves them out, for they are not checked.
+        model: such as `tachk.load` gives it, or the path of one. Floating point variables, which `tachk.load` leaves
+            out, for they are not checked, are part of the state here.
         until: how long they are: a number of time units of the model, or a duration such as ``"3 min"``.
         seed: the same seed gives the same runs, with any number of threads.
         policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.

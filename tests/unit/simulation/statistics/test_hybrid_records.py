@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import tachk
-from tachk.api.estimating import simulated
 from tachk.simulation.columns import all_columns
+from tachk.simulation.simulated import simulated
 from tachk.simulation.statistics.estimate import DrawnRuns, Estimated
 
 RECORDS = """
