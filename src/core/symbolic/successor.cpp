@@ -273,4 +273,122 @@ std::pair<std::int32_t, std::int32_t> Semantics::priority(const Edges& edges, st
   return {channel, process};
 }
 
+void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit visit,
+                                Callback<bool(std::size_t)> skips) {
+  const std::size_t processes = program_.processes.size();
+  receiving_.clear();
+  int most = 0;
+  if (has_committed_locations_)
+    for (std::size_t p = 0; p < processes; ++p) most = std::max(most, location(p, slots).commitment());
+
+  for (std::size_t p = 0; p < processes; ++p) {
+    const bool goes = location(p, slots).may_go(most);
+    const Outgoing& out = outgoing(p, slots);
+    if (goes && !skips(p)) {
+      for (const std::uint32_t number : out.internal) {
+        const program::Edge& edge = program_.edges[number];
+        if (!guard_may_hold(number, slots)) continue;
+        action_.edges.assign(1, number);
+        action_.guard.clear();
+        if (const zones::ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(action_, rest);
+      }
+    }
+    for (const auto& [number, partners] : out.sends) {
+      const program::Edge& sender = program_.edges[number];
+      if (!guard_may_hold(number, slots)) continue;
+      action_.edges.assign(1, number);
+      action_.guard.clear();
+      const zones::ConstZoneRef sent = guarded(sender, slots, zone, 0);
+      if (!sent) continue;
+      const std::int32_t channel = channel_of(sender, slots);
+      if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
+        broadcast(partners, channel, most, goes, slots, sent, 1, visit);
+        continue;
+      }
+      const std::size_t sender_atoms = action_.guard.size();
+      for (const std::uint32_t q : partners) {
+        if (!goes && !location(q, slots).may_go(most)) continue;
+        for (const std::uint32_t other : outgoing(q, slots).receives) {
+          if (!may_receive(other, channel, slots)) continue;
+          const program::Edge& partner = program_.edges[other];
+          action_.edges.resize(1);
+          action_.edges.push_back(other);
+          action_.guard.resize(sender_atoms);
+          const zones::ConstZoneRef rest = guarded(partner, slots, sent, 1);
+          if (rest && names(partner, channel, slots)) visit(action_, rest);
+        }
+      }
+    }
+  }
+}
+
+// Extends the broadcast action by those of the receivers, which are processes, that take part. A process with an
+// enabled receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the
+// guards so far leave, so combinations that exclude each other are given up at once. `participates`: the committed rule
+// lets a participant go.
+void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
+                          std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit visit) {
+  const std::size_t first = receiving_.size();
+  bool must_join = false;  // some receiver has no clock guard
+  std::uint32_t receiver = 0;
+  for (; !receivers.empty() && receiving_.size() == first; receivers = receivers.subspan(1)) {
+    receiver = receivers.front();
+    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
+      if (!may_receive(number, channel, slots)) continue;
+      const program::Edge& receiving_edge = program_.edges[number];
+      if (receiving_edge.channel_code != program::no_code && !names_within(receiving_edge, channel, slots, zone, level))
+        continue;
+      receiving_.push_back(number);
+      must_join |= !receiving_edge.guard.constrains_clocks();
+    }
+  }
+  const std::size_t last = receiving_.size();
+  if (first == last) {
+    if (participates) visit(action_, zone);
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  const bool joined = participates || location(receiver, slots).may_go(most);
+  std::vector<std::vector<zones::Atom>> guards;
+  for (std::size_t n = first; n < last; ++n) {
+    const std::uint32_t number = receiving_[n];
+    action_.edges.push_back(number);
+    const zones::ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
+    if (!must_join)
+      guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
+    if (rest) broadcast(receivers, channel, most, joined, slots, rest, level + 1, visit);
+    action_.edges.pop_back();
+    action_.guard.resize(atoms);
+  }
+  if (!must_join)
+    stay_out(guards, 0, zone, level, [&](zones::ConstZoneRef rest, std::size_t next_level) {
+      broadcast(receivers, channel, most, participates, slots, rest, next_level, visit);
+    });
+  receiving_.resize(first);
+}
+
+// Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
+// holds.
+void Semantics::stay_out(const std::vector<std::vector<zones::Atom>>& guards, std::size_t next,
+                         zones::ConstZoneRef zone, std::size_t level,
+                         Callback<void(zones::ConstZoneRef, std::size_t)> visit) {
+  if (next == guards.size()) {
+    visit(zone, level);
+    return;
+  }
+  const std::size_t atoms = action_.guard.size();
+  zones::ConstZoneRef inside = zone;  // where the atoms before the current one hold
+  for (const zones::Atom& atom : guards[next]) {
+    const zones::Atom outside = zones::negated(atom);
+    action_.guard.push_back(outside);
+    if (const zones::ConstZoneRef rest = narrowed(inside, level, {&outside, 1}))
+      stay_out(guards, next + 1, rest, level + 1, visit);
+    action_.guard.back() = atom;
+    inside = narrowed(inside, level, {&atom, 1});
+    if (!inside) break;
+    ++level;
+  }
+  action_.guard.resize(atoms);
+}
+
 }  // namespace tachk::symbolic

@@ -2,7 +2,6 @@
 // slots and zone. The semantics is that of docs/semantics.md.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -13,6 +12,7 @@
 
 #include "machine/machine.hpp"
 #include "program/program.hpp"
+#include "symbolic/callback.hpp"
 #include "zones/zone.hpp"
 #include "zones/zone_buffer.hpp"
 
@@ -54,13 +54,12 @@ class Semantics {
   // zone. Priorities and the invariants of the targets are not considered. Both arguments are only valid during the
   // call. Receivers are evaluated only where the guard of a sender holds, channel codes only where that of their edge
   // does (docs/semantics.md, run-time errors). Throws ModelFault.
-  template <class Visit>
-  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit) {
+  using Visit = Callback<void(const Action&, zones::ConstZoneRef)>;
+  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit visit) {
     for_each_action(slots, zone, visit, [](std::size_t) { return false; });
   }
   // As above, without what a process does alone where skips(process) is true.
-  template <class Visit, class Skips>
-  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit, Skips&& skips);
+  void for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit visit, Callback<bool(std::size_t)> skips);
 
   // Runs the updates of an action. False if an integer condition of a target invariant is violated: then the action is
   // not possible. Throws ModelFault, ConstantOverflow.
@@ -155,12 +154,10 @@ class Semantics {
       if (!guard_tests_[n].passes(slots)) return false;
     return guard.code == program::no_code || machine_.value(guard.code, slots) != 0;
   }
-  template <class Visit>
   void broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
-                 std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit);
-  template <class Visit>
+                 std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit visit);
   void stay_out(const std::vector<std::vector<zones::Atom>>& guards, std::size_t next, zones::ConstZoneRef zone,
-                std::size_t level, Visit&& visit);
+                std::size_t level, Callback<void(zones::ConstZoneRef, std::size_t)> visit);
   // The zone and the atoms, in the buffer of this level unless there is nothing to do; none if that is empty.
   zones::ConstZoneRef narrowed(zones::ConstZoneRef zone, std::size_t level, std::span<const zones::Atom> atoms);
   // Adds the clock guard of an edge to the action; gives the zone within it as `narrowed` does.
@@ -183,126 +180,5 @@ class Semantics {
   Action action_;
   std::deque<zones::ZoneBuffer> levels_;
 };
-
-// ---- the templates --------------------------------------------------------------------------------------------------
-
-template <class Visit, class Skips>
-void Semantics::for_each_action(std::int32_t* slots, zones::ConstZoneRef zone, Visit&& visit, Skips&& skips) {
-  const std::size_t processes = program_.processes.size();
-  receiving_.clear();
-  int most = 0;
-  if (has_committed_locations_)
-    for (std::size_t p = 0; p < processes; ++p) most = std::max(most, location(p, slots).commitment());
-
-  for (std::size_t p = 0; p < processes; ++p) {
-    const bool goes = location(p, slots).may_go(most);
-    const Outgoing& out = outgoing(p, slots);
-    if (goes && !skips(p)) {
-      for (const std::uint32_t number : out.internal) {
-        const program::Edge& edge = program_.edges[number];
-        if (!guard_may_hold(number, slots)) continue;
-        action_.edges.assign(1, number);
-        action_.guard.clear();
-        if (const zones::ConstZoneRef rest = guarded(edge, slots, zone, 0)) visit(std::as_const(action_), rest);
-      }
-    }
-    for (const auto& [number, partners] : out.sends) {
-      const program::Edge& sender = program_.edges[number];
-      if (!guard_may_hold(number, slots)) continue;
-      action_.edges.assign(1, number);
-      action_.guard.clear();
-      const zones::ConstZoneRef sent = guarded(sender, slots, zone, 0);
-      if (!sent) continue;
-      const std::int32_t channel = channel_of(sender, slots);
-      if (program_.channels[static_cast<std::size_t>(channel)].broadcast) {
-        broadcast(partners, channel, most, goes, slots, sent, 1, visit);
-        continue;
-      }
-      const std::size_t sender_atoms = action_.guard.size();
-      for (const std::uint32_t q : partners) {
-        if (!goes && !location(q, slots).may_go(most)) continue;
-        for (const std::uint32_t other : outgoing(q, slots).receives) {
-          if (!may_receive(other, channel, slots)) continue;
-          const program::Edge& partner = program_.edges[other];
-          action_.edges.resize(1);
-          action_.edges.push_back(other);
-          action_.guard.resize(sender_atoms);
-          const zones::ConstZoneRef rest = guarded(partner, slots, sent, 1);
-          if (rest && names(partner, channel, slots)) visit(std::as_const(action_), rest);
-        }
-      }
-    }
-  }
-}
-
-// Extends the broadcast action by those of the receivers, which are processes, that take part. A process with an
-// enabled receiving edge must take part; where that depends on clocks the valuations are split. `zone` is what the
-// guards so far leave, so combinations that exclude each other are given up at once. `participates`: the committed rule
-// lets a participant go.
-template <class Visit>
-void Semantics::broadcast(std::span<const std::uint32_t> receivers, std::int32_t channel, int most, bool participates,
-                          std::int32_t* slots, zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
-  const std::size_t first = receiving_.size();
-  bool must_join = false;  // some receiver has no clock guard
-  std::uint32_t receiver = 0;
-  for (; !receivers.empty() && receiving_.size() == first; receivers = receivers.subspan(1)) {
-    receiver = receivers.front();
-    for (const std::uint32_t number : outgoing(receiver, slots).receives) {
-      if (!may_receive(number, channel, slots)) continue;
-      const program::Edge& receiving_edge = program_.edges[number];
-      if (receiving_edge.channel_code != program::no_code && !names_within(receiving_edge, channel, slots, zone, level))
-        continue;
-      receiving_.push_back(number);
-      must_join |= !receiving_edge.guard.constrains_clocks();
-    }
-  }
-  const std::size_t last = receiving_.size();
-  if (first == last) {
-    if (participates) visit(std::as_const(action_), zone);
-    return;
-  }
-  const std::size_t atoms = action_.guard.size();
-  const bool joined = participates || location(receiver, slots).may_go(most);
-  std::vector<std::vector<zones::Atom>> guards;
-  for (std::size_t n = first; n < last; ++n) {
-    const std::uint32_t number = receiving_[n];
-    action_.edges.push_back(number);
-    const zones::ConstZoneRef rest = guarded(program_.edges[number], slots, zone, level);
-    if (!must_join)
-      guards.emplace_back(action_.guard.begin() + static_cast<std::ptrdiff_t>(atoms), action_.guard.end());
-    if (rest) broadcast(receivers, channel, most, joined, slots, rest, level + 1, visit);
-    action_.edges.pop_back();
-    action_.guard.resize(atoms);
-  }
-  if (!must_join)
-    stay_out(guards, 0, zone, level, [&](zones::ConstZoneRef rest, std::size_t next_level) {
-      broadcast(receivers, channel, most, participates, slots, rest, next_level, visit);
-    });
-  receiving_.resize(first);
-}
-
-// Calls visit(rest, level) for each of the disjoint parts of the zone that together make up where none of the guards
-// holds.
-template <class Visit>
-void Semantics::stay_out(const std::vector<std::vector<zones::Atom>>& guards, std::size_t next,
-                         zones::ConstZoneRef zone, std::size_t level, Visit&& visit) {
-  if (next == guards.size()) {
-    visit(zone, level);
-    return;
-  }
-  const std::size_t atoms = action_.guard.size();
-  zones::ConstZoneRef inside = zone;  // where the atoms before the current one hold
-  for (const zones::Atom& atom : guards[next]) {
-    const zones::Atom outside = zones::negated(atom);
-    action_.guard.push_back(outside);
-    if (const zones::ConstZoneRef rest = narrowed(inside, level, {&outside, 1}))
-      stay_out(guards, next + 1, rest, level + 1, visit);
-    action_.guard.back() = atom;
-    inside = narrowed(inside, level, {&atom, 1});
-    if (!inside) break;
-    ++level;
-  }
-  action_.guard.resize(atoms);
-}
 
 }  // namespace tachk::symbolic

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
+
+#include "zones/federation.hpp"
 
 namespace tachk::symbolic {
 
@@ -110,6 +113,103 @@ void ZoneGraph::delay(Effect& effect) {
   if (!semantics_.time_passes(slots)) return;
   const std::uint8_t* stopped = semantics_.stopped_clocks(slots);
   operations_.up_within(target_.get(), program_.dimension(), stopped, invariant.data(), invariant.size());
+}
+
+template <class Body>
+bool ZoneGraph::within(std::span<const std::uint32_t> edges, Body&& body) {
+  try {
+    return body();
+  } catch (const machine::ModelFault& fault) {
+    throw ActionFault(fault, edges);
+  }
+}
+
+void ZoneGraph::start_for(ReceiverOfSuccessors& receiver) {
+  if (!begin()) return;
+  zones::ZoneBuffer zero(operations_);
+  operations_.make_zero(zero.get(), program_.dimension());
+  follow({}, zero.get(), effect_, receiver);
+}
+
+void ZoneGraph::expand_for(SymbolicState& source, ReceiverOfSuccessors& receiver) {
+  if (program_.has_priorities) return expand_by_priority(source, receiver);
+  std::int32_t* slots = source.slots.data();
+  const bool sorts = representatives_.active();
+  const bool counts = receiver.counts();
+  if (sorts) equivalent_.find(slots, source.zone.get());
+  const auto visit = [&](const Action& action, zones::ConstZoneRef guarded) {
+    check_patience();
+    if (!receiver.admits(action.edges)) return;
+    const bool repeats = sorts && equivalent_.repeats(action.edges);
+    if (repeats && !counts) return;
+    if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, effect_); })) return;
+    receiver.possible(guarded, effect_);
+    if (!repeats) follow(action.edges, guarded, effect_, receiver);
+  };
+  const auto skips = [&](std::size_t process) { return sorts && !counts && equivalent_.second(process); };
+  semantics_.for_each_action(slots, source.zone.get(), visit, skips);
+}
+
+// An action may only fire in valuations in which no action of higher priority is possible.
+void ZoneGraph::expand_by_priority(SymbolicState& source, ReceiverOfSuccessors& receiver) {
+  struct Ranked {
+    Edges edges;
+    zones::ZoneBuffer guarded;
+    std::vector<zones::Atom> possible;  // where the action is possible: guard and precondition of the target invariant
+    Effect effect;
+    std::pair<std::int32_t, std::int32_t> priority;
+  };
+  std::int32_t* slots = source.slots.data();
+  std::vector<Ranked> actions;
+  semantics_.for_each_action(slots, source.zone.get(), [&](const Action& action, zones::ConstZoneRef guarded) {
+    check_patience();
+    Ranked ranked{action.edges, zones::ZoneBuffer(operations_), action.guard, {}, {}};
+    ranked.guarded.assign(guarded);
+    if (!within(action.edges, [&] { return semantics_.apply(action.edges, slots, ranked.effect); })) return;
+    if (!semantics_.weakest_precondition(ranked.effect, ranked.possible)) return;
+    receiver.possible(guarded, ranked.effect);
+    ranked.priority = semantics_.priority(action.edges, slots);
+    actions.push_back(std::move(ranked));
+  });
+  for (Ranked& action : actions) {
+    zones::Federation first(operations_, program_.dimension());  // where no action of higher priority is possible
+    first.add(action.guarded.get());
+    for (const Ranked& other : actions)
+      if (other.priority > action.priority) first.subtract(other.possible);
+    for (std::size_t piece = 0; piece < first.size(); ++piece) {
+      check_patience();
+      Effect effect = action.effect;
+      follow(action.edges, first[piece], effect, receiver);
+    }
+  }
+}
+
+void ZoneGraph::follow(std::span<const std::uint32_t> edges, zones::ConstZoneRef guarded, Effect& effect,
+                       ReceiverOfSuccessors& receiver) {
+  if (representatives_.active()) {
+    if (enter(guarded, effect)) follow_sorted(edges, effect, receiver);
+    return;
+  }
+  receiver.expect(effect);
+  if (!enter(guarded, effect)) return;
+  std::int32_t* slots = effect.slots.data();
+  if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
+  within(edges, [&] { return delay(effect), true; });
+  if (!receiver.wants(Successor{edges, slots, target_.get()})) return;
+  abstraction_.apply(slots, target_, [&](zones::ConstZoneRef zone) { receiver.take(Successor{edges, slots, zone}); });
+}
+
+// There are no diagonals here, so that a state has one zone.
+void ZoneGraph::follow_sorted(std::span<const std::uint32_t> edges, Effect& effect, ReceiverOfSuccessors& receiver) {
+  std::int32_t* slots = effect.slots.data();
+  if (!receiver.enters(Successor{edges, slots, target_.get()}, effect.invariant)) return;
+  within(edges, [&] { return delay(effect), true; });
+  abstraction_.apply(slots, target_, [](zones::ConstZoneRef) {});
+  representatives_.sort(slots, target_);
+  effect.written = program::SlotSet::all();
+  receiver.expect(effect);
+  const Successor successor{edges, slots, target_.get()};
+  if (receiver.wants(successor)) receiver.take(successor);
 }
 
 }  // namespace tachk::symbolic
