@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <utility>
@@ -39,18 +38,16 @@ class RecordPool {
 
   std::uint32_t append() {
     if ((size_ & mask()) == 0) {
-      const std::size_t rounded = (block_bytes() + 63) / 64 * 64;
-      void* block = std::aligned_alloc(64, rounded == 0 ? 64 : rounded);
-      if (block == nullptr) throw std::bad_alloc();
-      blocks_.emplace_back(static_cast<std::byte*>(block));
+      blocks_.emplace_back(static_cast<std::byte*>(::operator new(block_bytes(), alignment)));
       addresses_.push_back(blocks_.back().get());
     }
     return size_++;
   }
 
  private:
+  static constexpr std::align_val_t alignment{64};
   struct Free {
-    void operator()(std::byte* block) const { std::free(block); }
+    void operator()(std::byte* block) const { ::operator delete(block, alignment); }
   };
   std::uint32_t mask() const { return (std::uint32_t{1} << shift_) - 1; }
   std::size_t block_bytes() const { return record_bytes_ << shift_; }
