@@ -26,7 +26,7 @@ using csv::CsvReader;
 namespace {
 
 // Kind, line, offset and length in bytes, number of the cell, the line itself (which need not be UTF-8).
-using FaultTuple = std::tuple<csv::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
+using CsvFaultTuple = std::tuple<csv::CsvFaultKind, std::uint64_t, std::uint64_t, std::uint64_t, int, nb::bytes>;
 
 std::unique_ptr<CsvReader> make_reader(char separator, char point, std::uint32_t cells, std::uint32_t time,
                                        const std::vector<std::uint32_t>& columns,
@@ -49,11 +49,11 @@ std::unique_ptr<CsvReader> make_reader(char separator, char point, std::uint32_t
                       {decimals, most_decimals, usual_decimals, binary, rounding, shortening}});
 }
 
-std::optional<FaultTuple> fault_of(const CsvReader& self) {
+std::optional<CsvFaultTuple> csv_fault_of(const CsvReader& self) {
   const auto& fault = self.fault();
   if (!fault) return std::nullopt;
-  return FaultTuple{fault->kind,   fault->line, fault->offset,
-                    fault->length, fault->cell, nb::bytes(fault->text.data(), fault->text.size())};
+  return CsvFaultTuple{fault->kind,   fault->line, fault->offset,
+                       fault->length, fault->cell, nb::bytes(fault->text.data(), fault->text.size())};
 }
 
 nb::list take_arrivals(CsvReader& self) {
@@ -127,7 +127,7 @@ void bind_csv(nb::module_& m) {
       .def("take_arrivals", &take_arrivals, "Of the columns that tell it, whether each row had a value; before `take`.")
       .def("take", &take_rows,
            "The rows read since the last time: (times, columns, for each the texts that its numbers stand for).")
-      .def("fault", &fault_of, "(kind, line, offset, length, cell, line text), or None.");
+      .def("fault", &csv_fault_of, "(kind, line, offset, length, cell, line text), or None.");
 }
 
 }  // namespace tachk::bind

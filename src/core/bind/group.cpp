@@ -66,7 +66,7 @@ struct Group {
   // A time in ticks, and as a floating-point number where it is one. None with a fault if it cannot be counted.
   std::optional<int128> tick(nb::handle time, std::optional<double>& number) {
     if (PyFloat_Check(time.ptr())) {
-      number = PyFloat_AS_DOUBLE(time.ptr());
+      number = PyFloat_AsDouble(time.ptr());
       const std::optional<int128> found = std::isfinite(*number) ? scale.tick(*number) : std::nullopt;
       if (!found) fault = RowFault::not_a_time;
       return found;
@@ -89,7 +89,7 @@ struct Group {
   static std::optional<double> number_of(PyObject* value) {
     constexpr double keeps = std::numeric_limits<double>::quiet_NaN();
     if (value == nullptr || value == Py_None) return keeps;
-    if (PyFloat_CheckExact(value)) return PyFloat_AS_DOUBLE(value);
+    if (PyFloat_CheckExact(value)) return PyFloat_AsDouble(value);
     const double number = PyFloat_AsDouble(value);
     if (number == -1.0 && PyErr_Occurred() != nullptr) {
       PyErr_Clear();
@@ -102,11 +102,11 @@ struct Group {
     nb::object copied;
     PyObject* given = values.is_none() ? nullptr : values.ptr();
     if (given != nullptr && !PyDict_Check(given)) {
-      copied = nb::steal(PyObject_CallOneArg(reinterpret_cast<PyObject*>(&PyDict_Type), given));
+      copied = nb::steal(PyObject_CallFunctionObjArgs(reinterpret_cast<PyObject*>(&PyDict_Type), given, nullptr));
       if (!copied.is_valid()) throw nb::python_error();
       given = copied.ptr();
     }
-    PyObject* const others = PyDict_GET_SIZE(more.ptr()) == 0 ? nullptr : more.ptr();
+    PyObject* const others = PyDict_Size(more.ptr()) == 0 ? nullptr : more.ptr();
     for (std::size_t n = 0; n < names.size(); ++n) {
       PyObject* value = given == nullptr ? nullptr : PyDict_GetItemWithError(given, names[n].ptr());
       if (value == nullptr && others != nullptr) value = PyDict_GetItemWithError(others, names[n].ptr());

@@ -32,11 +32,11 @@ struct Monitor {
   int update(std::int64_t tick, nb::handle values) {
     const nb::object items = nb::steal(PySequence_Fast(values.ptr(), "the values of a sample are a sequence"));
     if (!items.is_valid()) throw nb::python_error();
-    if (static_cast<std::size_t>(PySequence_Fast_GET_SIZE(items.ptr())) != columns)
+    if (static_cast<std::size_t>(PySequence_Size(items.ptr())) != columns)
       throw std::invalid_argument("a sample needs one value for every column");
     for (std::size_t n = 0; n < columns; ++n) {
-      PyObject* const item = PySequence_Fast_GET_ITEM(items.ptr(), static_cast<Py_ssize_t>(n));
-      numbers[n] = PyFloat_AsDouble(item);
+      const nb::object item = nb::steal(PySequence_GetItem(items.ptr(), static_cast<Py_ssize_t>(n)));
+      numbers[n] = PyFloat_AsDouble(item.ptr());
       if (numbers[n] == -1.0 && PyErr_Occurred() != nullptr) throw nb::python_error();
     }
     monitor.push({&tick, row.data(), 1});
@@ -57,7 +57,7 @@ struct Monitor {
 };
 
 // First cell, cell after the last, settled.
-std::optional<std::tuple<std::int64_t, std::int64_t, bool>> violation_of(const Monitor& self) {
+std::optional<std::tuple<std::int64_t, std::int64_t, bool>> online_violation_of(const Monitor& self) {
   const std::optional<monitoring::online::ViolatedSpan>& violation = self.monitor.violation();
   if (!violation) return std::nullopt;
   return std::make_tuple(violation->cells.first, violation->cells.end, violation->settled);
@@ -90,7 +90,7 @@ void bind_online(nb::module_& m) {
           nb::arg("tick"), "The trace ends with this tick; the verdict.")
       .def("verdict", [](const Monitor& self) { return static_cast<int>(self.monitor.verdict()); })
       .def("decided_at", [](const Monitor& self) { return self.monitor.decided_at(); })
-      .def("violation", &violation_of, "(first cell, cell after the last, settled) or None.")
+      .def("violation", &online_violation_of, "(first cell, cell after the last, settled) or None.")
       .def(
           "robustness",
           [](Monitor& self) {
