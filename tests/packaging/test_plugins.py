@@ -52,7 +52,7 @@ def test_a_plug_in_that_is_missing_is_named(
     monkeypatch.setitem(sys.modules, "tachk_munta", None)
     with pytest.raises(SystemExit) as end:
         app(command.split(), prog_name="tachk")
-    assert end.value.code == 2
+    assert end.value.code == 3
     assert capsys.readouterr() == (
         "",
         "error: the plug-in tachk-munta is not installed\nhelp: pip install tachk-munta\n",

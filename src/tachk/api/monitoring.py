@@ -14,6 +14,7 @@ from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.base.frames import data_frame
+from tachk.base.optional_packages import optional_packages
 from tachk.recordings.monitors.formulas import (
     NamedFormula,
     check_order,
@@ -213,8 +214,9 @@ class MonitorReport(Sequence[MonitorVerdict]):
             begin, end: the part that is drawn, in the units of the trace's clock; None: all of it.
             robustness: draw the robustness of each formula over time, too.
         """
-        from tachk.report.monitor.plot_rows import PlotRange
-        from tachk.report.monitor.signal_plot import Plot, plot_record
+        with optional_packages():
+            from tachk.report.monitor.plot_rows import PlotRange
+            from tachk.report.monitor.signal_plot import Plot, plot_record
 
         trace = self.record.trace
         origin, scale = float(trace.origin), trace.ticks_per_unit

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 
 
 def data_frame(table: Sequence[Mapping[str, object]] | Mapping[str, object]) -> Any:
@@ -14,12 +14,10 @@ def data_frame(table: Sequence[Mapping[str, object]] | Mapping[str, object]) -> 
     Columns of whole numbers stay whole where some are missing: their type is pandas' ``Int64`` then.
 
     Raises:
-        UsageError: pandas is not installed.
+        MissingPackageError: pandas is not installed.
     """
-    try:
+    with optional_packages():
         import pandas
-    except ImportError:
-        raise UsageError("data frames need pandas", "pip install 'tachk[data]'") from None
     frame = pandas.DataFrame(table if isinstance(table, Mapping) else list(table))
     for name in frame.columns:
         if frame[name].isna().any() and not isinstance(table, Mapping):

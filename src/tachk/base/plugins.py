@@ -10,7 +10,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import MissingPackageError
 
 _ROWS = {"captures": ("tachk.xrce.captures:DDS_XRCE",)}
 _SEPARATE = {"munta export": "tachk_munta.writer:to_muntax", "munta proofs": "tachk_munta.proofs:write_proofs"}
@@ -26,7 +26,7 @@ def separate_plugin(use: str) -> Any:
     """The function that a distribution of its own has for a use.
 
     Raises:
-        UsageError: it is not installed; names what to install.
+        MissingPackageError: it is not installed; names what to install.
     """
     row = _SEPARATE[use]
     package = row.partition(".")[0]
@@ -34,7 +34,9 @@ def separate_plugin(use: str) -> Any:
         import_module(package)
     except ModuleNotFoundError:
         distribution = package.replace("_", "-")
-        raise UsageError(f"the plug-in {distribution} is not installed", f"pip install {distribution}") from None
+        raise MissingPackageError(
+            f"the plug-in {distribution} is not installed", f"pip install {distribution}"
+        ) from None
     return load_object(row)
 
 

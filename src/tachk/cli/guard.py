@@ -10,6 +10,7 @@ import click
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError
+from tachk.base.optional_packages import MissingPackageError, optional_packages
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import wants_colour
 
@@ -31,7 +32,8 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
         subject: what the action is about, where a message alone would not say it.
     """
     try:
-        return action()
+        with optional_packages():
+            return action()
     except InputError as error:
         print_diagnostics(error.diagnostics)
         errors = [found for found in error.diagnostics if found.severity is Severity.ERROR]
@@ -39,6 +41,9 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
         return ExitStatus.UNSUPPORTED if unsupported else ExitStatus.BAD_INPUT
     except UnsupportedError as error:
         print_diagnostics([error.diagnostic])
+        return ExitStatus.UNSUPPORTED
+    except MissingPackageError as error:
+        complain(f"{subject}: {error.message}" if subject else error.message, error.help)
         return ExitStatus.UNSUPPORTED
     except UsageError as error:
         complain(f"{subject}: {error.message}" if subject else error.message, error.help)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.base.time_units import NANOSECONDS
 from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace
@@ -110,11 +111,9 @@ def _json_lines(path: Path) -> Iterator[Writer]:
 
 @contextmanager
 def _parquet(path: Path) -> Iterator[Writer]:
-    try:
+    with optional_packages():
         import pyarrow
         from pyarrow import parquet
-    except ImportError:
-        raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
     with ExitStack() as stack:
         file: Any = None
         waiting: list[Any] = []

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.job import unhurried
+from tachk.base.optional_packages import optional_packages
 from tachk.engine.outcome import Outcome
-from tachk.engine.smt import search
 from tachk.meaning.discrete import prepare
 from tachk.model.run import RunTimeFault
 from tachk.transform.transformation import unchanged
@@ -29,6 +29,8 @@ def bounded(problem: Problem) -> Findings:
 
 
 def _searched(problem: Problem, proves: bool) -> Findings:
+    with optional_packages():
+        from tachk.engine.smt import search
     try:
         outcome = _explained(problem, search.explore(problem.network, problem.targets, problem.limits, proves))
     except UnsupportedError as error:

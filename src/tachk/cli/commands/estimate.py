@@ -10,6 +10,7 @@ import click
 
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, unhurried
+from tachk.base.optional_packages import require
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source as Text
@@ -129,6 +130,8 @@ def run_estimate(request: EstimateArguments, reporting: Reporting) -> ExitStatus
     from tachk.simulation.statistics.rare import Splitting
     from tachk.simulation.statistics.sampling import RunSource
 
+    if request.picture is not None:
+        require("matplotlib")
     models, typed = split_models_and_queries(request.arguments)
     if len(models) > 1:
         raise UsageError("tachk estimate takes one model", f"and queries: tachk estimate {models[0]} 'Pr[<=100](<> p)'")

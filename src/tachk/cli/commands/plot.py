@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tachk.base.optional_packages import require
 from tachk.cli import options, trace_options
 from tachk.cli.exit_status import ExitStatus
 
@@ -64,6 +65,7 @@ def run_plot(arguments: TraceArguments, evaluation: EvaluationOptions, drawn: Pl
     from tachk.cli.trace_arguments import print_warnings
     from tachk.recordings.monitors.offline import evaluate_formulas
 
+    require("matplotlib")
     record = evaluate_formulas(arguments.formulas(), arguments.recording(), evaluation, arguments.formula)
     print_warnings(record.trace.warnings)
     MonitorReport(record).plot(drawn.output, drawn.begin, drawn.end, drawn.robustness)

@@ -15,6 +15,7 @@ import click
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import DIGITS
 from tachk.base.job import current_job, limited
+from tachk.base.optional_packages import require
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.whole_files import write_whole
@@ -203,6 +204,8 @@ def run_sweep(arguments: SweepArguments, reporting: Reporting, seconds: float | 
     from tachk.verify.campaign.job import ESTIMATED
     from tachk.verify.verdict import Answer
 
+    if arguments.picture is not None:
+        require("matplotlib")
     grid = grid_of(arguments.over)
     memory = None if arguments.max_memory is None else parse_size(arguments.max_memory)
     first = {axis.name: axis.values[0] for axis in grid.axes}

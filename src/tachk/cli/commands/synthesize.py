@@ -11,6 +11,7 @@ import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import limited
+from tachk.base.optional_packages import require
 from tachk.base.records import dataclass
 from tachk.cli import options
 from tachk.cli.destination import destination
@@ -130,6 +131,8 @@ def run_synthesize(
     if arguments.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(arguments.max_memory))
     picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
+    if picture is not None:
+        require("matplotlib")
     with limited(limits.seconds):
         with limited(memory=limits.memory_bytes):
             model = api.load(arguments.model, **constants)

@@ -19,6 +19,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from tachk.base.optional_packages import optional_packages
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, bound_value, is_strict
 
@@ -176,7 +177,8 @@ def _durations(least: Sequence[int]) -> list[Fraction]:
 
 def any_solution(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
     """The durations of the phases of some run, where clocks may stop; None if there is no run."""
-    import z3
+    with optional_packages():
+        import z3
 
     durations, formulas = _linear_problem(phases, requirements)
     solver = z3.Solver()
@@ -209,7 +211,8 @@ def extreme_solution(
 
     Raises TimeoutError if z3 has not found it in so many milliseconds.
     """
-    import z3
+    with optional_packages():
+        import z3
 
     durations, formulas = _linear_problem(phases, requirements)
     time = z3.Sum(durations[:-1] if latest else durations) if durations[latest:] else z3.RealVal(0)
@@ -239,7 +242,8 @@ _TOLERANCE = Fraction(1, 2)
 
 def _limit(formulas: Sequence[Any], time: Any, largest: bool, milliseconds: int | None) -> tuple[Fraction | None, bool]:
     """The least or the largest value of a sum, and whether it is taken; None where there is no limit or no value."""
-    import z3
+    with optional_packages():
+        import z3
 
     optimiser = z3.Optimize()
     if milliseconds is not None:
@@ -261,7 +265,8 @@ def _linear_problem(
     phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]
 ) -> tuple[list[Any], list[Any]]:
     """The durations of the phases as unknowns of z3, and what they must satisfy."""
-    import z3
+    with optional_packages():
+        import z3
 
     durations = [z3.Real(f"d{k}") for k in range(len(phases))]
 

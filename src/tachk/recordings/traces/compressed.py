@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
@@ -132,8 +133,6 @@ def _zstandard() -> Callable[[], Decompressor]:
     with suppress(ImportError):  # a part of Python 3.14
         made: Callable[[], Decompressor] = import_module("compression.zstd").ZstdDecompressor
         return made
-    with suppress(ImportError):
+    with optional_packages():
         library: Any = import_module("zstandard")
-        return lambda: cast("Decompressor", library.ZstdDecompressor().decompressobj())
-    message = "files compressed by Zstandard are read by zstandard, which is not installed"
-    raise UsageError(message, "pip install zstandard")
+    return lambda: cast("Decompressor", library.ZstdDecompressor().decompressobj())

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_arrays import TableRecording, are_dates
@@ -128,10 +129,6 @@ def _fraction(value: Any) -> Any:
 
 
 def _parquet() -> Any:
-    try:
+    with optional_packages():
         import pyarrow.parquet as parquet
-    except ModuleNotFoundError:
-        raise UsageError(
-            "Parquet files are read by pyarrow, which is not installed", "pip install 'tachk[parquet]'"
-        ) from None
     return parquet

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.frames import data_frame
 from tachk.base.notebook import html_table, preformatted
+from tachk.base.optional_packages import optional_packages
 from tachk.base.whole_files import whole_file
 from tachk.model.quantity import grouped
 from tachk.report.json_report import Json
@@ -160,12 +160,10 @@ class Sweep:
         return out.getvalue()
 
     def to_parquet(self, path: str | Path) -> None:
-        """Writes a file. Raises UsageError where pyarrow is not installed."""
-        try:
+        """Writes a file. Raises MissingPackageError where pyarrow is not installed."""
+        with optional_packages():
             import pyarrow
             from pyarrow import parquet
-        except ImportError:
-            raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
         kinds = {"TEXT": pyarrow.string(), "INTEGER": pyarrow.int64(), "REAL": pyarrow.float64()}
         columns: dict[str, Any] = {name: [row[name] for row in self.rows] for name in self.columns}
         for axis in self.campaign.grid.axes:
@@ -191,8 +189,9 @@ class Sweep:
 
         Raises UsageError for an unknown format or column, or more maps than a picture can show.
         """
-        from tachk.report.campaign.heat_map import STYLE, draw_maps
-        from tachk.report.figure_files import DrawnFigure
+        with optional_packages():
+            from tachk.report.campaign.heat_map import STYLE, draw_maps
+            from tachk.report.figure_files import DrawnFigure
 
         campaign = self.campaign
         figure = DrawnFigure(lambda: draw_maps(self.model, campaign.grid, campaign.rows, show), STYLE)

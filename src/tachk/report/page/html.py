@@ -11,7 +11,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
-from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.base.resources import template_text
 from tachk.model.quantity import bytes_, grouped, seconds
 from tachk.report.drawing.svg import DARK_STYLE, STYLE
@@ -43,12 +43,10 @@ def page_to_html(page: Page) -> str:
 
 
 def page_to_widget(page: Page) -> Any:
-    """The page as an `anywidget.AnyWidget` for notebooks. Raises UsageError where anywidget is not installed."""
-    try:
+    """The page as an `anywidget.AnyWidget` for notebooks. Raises MissingPackageError without anywidget."""
+    with optional_packages():
         from anywidget import AnyWidget
         from traitlets import Unicode
-    except ImportError:
-        raise UsageError("widgets need anywidget", "pip install 'tachk[notebook]'") from None
     content = f'<style>{_style()}</style><div class="page">{_rendered("content", page)}</div>'
     members = {"_esm": template_text("report/page.js") + _RENDER, "content": Unicode(content).tag(sync=True)}
     return type("PageWidget", (AnyWidget,), members)()

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.formats.written_reports import check_report, read_json
 from tachk.model.grid import Grid, ParameterAxis
 from tachk.report.page.content import Chapter, Table
@@ -50,9 +51,6 @@ def chapter_of(document: Mapping[str, Any], path: Path) -> Chapter:
 
 
 def _sweep(document: Mapping[str, Any]) -> Chapter:
-    from tachk.report.campaign.heat_map import STYLE, draw_maps  # matplotlib takes more memory than most pages
-    from tachk.report.figure_files import svg_of
-
     grid = Grid(tuple(ParameterAxis(axis["name"], tuple(axis["values"])) for axis in document["constants"]))
     rows: list[dict[str, Any]] = document["rows"]
     for number, row in enumerate(rows):
@@ -74,12 +72,18 @@ def _sweep(document: Mapping[str, Any]) -> Chapter:
     for shown in ("answer", "estimate"):
         drawn = [row for row in rows if (row["answer"] == ESTIMATED) is (shown == "estimate")]
         try:
-            pictures += (
-                [(shown, svg_of(partial(draw_maps, document["model"], grid, drawn, shown), STYLE))] if drawn else []
-            )
+            pictures += [(shown, _heat_map(document["model"], grid, drawn, shown))] if drawn else []
         except UsageError as error:
             lines.append(f"No picture: {error}.")
     return Chapter(f"{document['model']}: many values", lines, _cells(grid, properties, rows), pictures)
+
+
+def _heat_map(model: str, grid: Grid, rows: Sequence[Mapping[str, Any]], shown: str) -> str:
+    """Raises UsageError for more maps than a picture can show, and without matplotlib."""
+    with optional_packages():
+        from tachk.report.campaign.heat_map import STYLE, draw_maps  # matplotlib takes more memory than most pages
+        from tachk.report.figure_files import svg_of
+    return svg_of(partial(draw_maps, model, grid, rows, shown), STYLE)
 
 
 def _cells(grid: Grid, properties: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> Sequence[Table]:

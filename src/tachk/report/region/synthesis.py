@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tachk.base.frames import data_frame
 from tachk.base.notebook import folded, html_table, preformatted
+from tachk.base.optional_packages import optional_packages
 from tachk.base.whole_files import whole_bytes
 from tachk.meaning.judge.certificate import CertificateWriter
 from tachk.report.json_report import Json
@@ -191,8 +192,9 @@ class Synthesis:
         Args:
             path: a file to write. Raises UsageError if it does not end in .svg, .png or .pdf.
         """
-        from tachk.report.figure_files import DrawnFigure
-        from tachk.report.region.picture import STYLE, draw_region
+        with optional_packages():
+            from tachk.report.figure_files import DrawnFigure
+            from tachk.report.region.picture import STYLE, draw_region
 
         figure = DrawnFigure(lambda: draw_region(self.region), STYLE)
         if path is not None:

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.model.grid import Values
 from tachk.verify.campaign.job import ComputedCell, Verification, computed, killed
 
@@ -37,10 +38,8 @@ def compute_on_cluster(
 
     Raises UsageError where Dask is not installed, or there is no cluster at the address.
     """
-    try:
+    with optional_packages():
         distributed: Any = import_module("distributed")
-    except ImportError:
-        raise UsageError("--dask needs Dask", "install it: pip install 'tachk[distributed]'") from None
     with _client(distributed, cluster) as client:
         shared = client.submit(_given, job, pure=False)  # unlike scattered data Dask can make it again
         batches = _Batches(list(cells))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import Trace, Values
 
@@ -42,11 +43,9 @@ def table_of(trace: Trace) -> dict[str, NDArray[np.generic]]:
 
 
 def _write_parquet(trace: Trace, path: Path) -> None:
-    try:
+    with optional_packages():
         import pyarrow
         from pyarrow import parquet
-    except ImportError:
-        raise UsageError("Parquet files need pyarrow", "pip install 'tachk[parquet]'") from None
     with whole_file(path) as part:
         parquet.write_table(pyarrow.table(table_of(trace)), part)
 

@@ -12,6 +12,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import MissingPackageError
 from tachk.recordings.traces.trace_files import open_trace
 
 SECOND = 10**9
@@ -299,10 +300,10 @@ def test_without_the_library_the_message_says_what_to_install(
 
     def without(name: str, *rest: Any, **more: Any) -> Any:
         if name.split(".")[0] == library:
-            raise ModuleNotFoundError(name)
+            raise ModuleNotFoundError(name, name=library)
         return real(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(UsageError, match=f"read by {library}, which is not installed") as error:
+    with pytest.raises(MissingPackageError, match=f"^{library} is not installed; ") as error:
         open_trace(tmp_path / file)
-    assert error.value.help == f"pip install 'tachk[{extra}]'"
+    assert error.value.help == f'pip install "tachk[{extra}]"'

@@ -72,13 +72,13 @@ def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.Mo
 
     def refuse(name: str, *arguments: Any, **more: Any) -> Any:
         if name.startswith("pyarrow"):
-            raise ModuleNotFoundError(name)
+            raise ModuleNotFoundError(name, name=name)
         return original(name, *arguments, **more)
 
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(UsageError) as error:
         open_trace("a.parquet")
-    assert error.value.help == "pip install 'tachk[parquet]'"
+    assert error.value.help == 'pip install "tachk[parquet]"'
 
 
 def test_a_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:

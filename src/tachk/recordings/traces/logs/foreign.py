@@ -10,11 +10,6 @@ from tachk.base.diagnostics.diagnostic import TachkError, UsageError
 from tachk.base.job import StoppedError
 
 
-def not_installed(what: str, library: str, extra: str) -> UsageError:
-    """The error about a library that is not there, and the extra of tachk that brings it."""
-    return UsageError(f"{what} are read by {library}, which is not installed", f"pip install 'tachk[{extra}]'")
-
-
 @contextmanager
 def library_errors(path: Path, what: str) -> Iterator[None]:
     """Turns any exception of a library about a damaged file into a UsageError."""

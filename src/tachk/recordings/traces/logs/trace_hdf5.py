@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.arrivals import arriving
-from tachk.recordings.traces.logs.foreign import library_errors, not_installed
+from tachk.recordings.traces.logs.foreign import library_errors
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -89,10 +90,8 @@ class Hdf5Table:
 
 def open_hdf5(path: Path, time: str | None, unit: str | None) -> TraceSource:
     """Finds the data sets of a file. Raises UsageError, also where h5py is not installed."""
-    try:
+    with optional_packages():
         import h5py  # noqa: F401
-    except ModuleNotFoundError:
-        raise not_installed("HDF5 files", "h5py", "hdf5") from None
     with _opened_file(path) as file:
         tables = list(_tables(file, "", None, time, unit, str(path)))
     if not tables:

@@ -16,8 +16,9 @@ from typing import IO, Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
+from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.compressed import is_compressed, open_bytes
-from tachk.recordings.traces.logs.foreign import library_errors, not_installed
+from tachk.recordings.traces.logs.foreign import library_errors
 from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.logs.trace_rosbag import constants_of, enumerations_of
 from tachk.recordings.traces.trace import cut_off_warning
@@ -258,10 +259,8 @@ def open_mcap(path: Path, time: str | None, unit: str | None) -> MessageRecordin
     Args:
         time: ``log_time``, which is what None means, ``publish_time``, or a field such as ``header.stamp``.
     """
-    try:
+    with optional_packages():
         import mcap.reader  # noqa: F401
-    except ModuleNotFoundError:
-        raise not_installed("MCAP files", "mcap", "mcap") from None
     agreed_unit("s", unit, str(path))
     return MessageRecording(
         str(path), McapMessages(path, time == PUBLISH_TIME), None if time in (LOG_TIME, PUBLISH_TIME) else time
@@ -297,10 +296,8 @@ def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
 
 def _typestore(schema: Any) -> tuple[Any, str]:
     """The type of a schema as rosbags knows it, and its name."""
-    try:
+    with optional_packages():
         from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
-    except ModuleNotFoundError:
-        raise not_installed("messages of ROS", "rosbags", "mcap") from None
     store = get_typestore(Stores.EMPTY)
     name = schema.name if schema.name.count("/") == 2 else schema.name.replace("/", "/msg/")
     text = schema.data.decode()
@@ -310,10 +307,8 @@ def _typestore(schema: Any) -> tuple[Any, str]:
 
 def _protobuf_decoder(encoding: str, schema: Any) -> Callable[[bytes], Any]:
     """The function that reads a message as the class that the library makes of the schema."""
-    try:
+    with optional_packages():
         from mcap_protobuf.decoder import DecoderFactory
-    except ModuleNotFoundError:
-        raise not_installed("protocol buffers", "mcap-protobuf-support", "mcap") from None
     read: Callable[[bytes], Any] | None = DecoderFactory().decoder_for(encoding, schema)
     assert read is not None
     return read

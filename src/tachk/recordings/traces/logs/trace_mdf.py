@@ -12,8 +12,9 @@ from traceback import clear_frames
 from typing import Any, Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.arrivals import arriving
-from tachk.recordings.traces.logs.foreign import library_errors, not_installed
+from tachk.recordings.traces.logs.foreign import library_errors
 from tachk.recordings.traces.logs.joined import JoinedRecording
 from tachk.recordings.traces.logs.trace_hdf5 import plain_texts
 from tachk.recordings.traces.trace import Trace, TraceSource
@@ -77,10 +78,8 @@ def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
     """
     if time is not None:
         raise UsageError("channels of an MDF file have times of their own, none to choose")
-    try:
+    with optional_packages():
         import asammdf  # noqa: F401
-    except ModuleNotFoundError:
-        raise not_installed("MDF files", "asammdf", "mdf") from None
     agreed_unit("s", unit, str(path))
     channels: dict[str, tuple[int, int]] = {}
     with _opened_file(path) as file:

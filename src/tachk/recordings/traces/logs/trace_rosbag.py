@@ -9,7 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from tachk.recordings.traces.logs.foreign import library_errors, not_installed
+from tachk.base.optional_packages import optional_packages
+from tachk.recordings.traces.logs.foreign import library_errors
 from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.trace_header import agreed_unit
 
@@ -118,9 +119,7 @@ def open_bag(path: Path, time: str | None, unit: str | None) -> MessageRecording
     Args:
         time: ``log_time``, which is what None means, or a field such as ``header.stamp``.
     """
-    try:
+    with optional_packages():
         import rosbags.highlevel  # noqa: F401
-    except ModuleNotFoundError:
-        raise not_installed("ROS bags", "rosbags", "mcap") from None
     agreed_unit("s", unit, str(path))
     return MessageRecording(str(path), BagMessages(path), None if time == LOG_TIME else time)
