@@ -23,6 +23,8 @@ OPTIONAL_PACKAGES = {
     "distributed": ("sweeps on a Dask cluster need it", _TACHK.format("distributed")),
     "anywidget": ("widgets of notebooks need it", _TACHK.format("notebook")),
     "mcp": ("the MCP server needs it", _TACHK.format("mcp")),
+    "mcp_types": ("the MCP server needs it", _TACHK.format("mcp")),
+    "anyio": ("the MCP server needs it", _TACHK.format("mcp")),
     "zstandard": ("files compressed by Zstandard need it", "pip install zstandard"),
     "z3": (
         "`--engine smt`, proofs about requirements and exact times of runs with stopped clocks need it",

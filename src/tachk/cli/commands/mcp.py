@@ -6,9 +6,9 @@ from typing import Any
 
 import click
 
+from tachk.base.optional_packages import optional_packages
 from tachk.cli import options
 from tachk.cli.exit_status import ExitStatus
-from tachk.cli.guard import complain
 
 _BYTES_IN_A_MEGABYTE = 1 << 20
 
@@ -57,13 +57,8 @@ def run_mcp(seconds: float | None, max_memory: str | None, states: int | None) -
         DEFAULT_CEILINGS.megabytes if max_memory is None else max(parse_size(max_memory) // _BYTES_IN_A_MEGABYTE, 1),
         DEFAULT_CEILINGS.states if states is None else states,
     )
-    try:
+    with optional_packages():
         from tachk.api.tools.server import serve
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in {"anyio", "mcp", "mcp_types"}:
-            raise
-        complain("the server needs the package mcp, which is not installed", 'pip install "tachk[mcp]"')
-        return ExitStatus.UNSUPPORTED
     try:
         serve(ceilings)
     except KeyboardInterrupt:  # how a server is ended: nothing is lost that a message would name
