@@ -96,6 +96,7 @@ NEED_AN_EXTRA = {
     "mcap": [("monitor", "G true", "log.mcap"), ("monitor", "G true", "bag")],
     "hdf5": [("monitor", "G true", "log.h5")],
     "mdf": [("monitor", "G true", "log.mf4")],
+    "mcp": [("mcp",)],
     "distributed": [("sweep", "n.ta", "-D", "N=0..4", "--dask", "tcp://127.0.0.1:1", "--property", "reached")],
 }
 """Command lines that need an extra."""

@@ -22,6 +22,7 @@ import tachk
 from tachk.api.tools.catalogue import TOOLS, call
 from tachk.api.tools.instructions import EXAMPLE
 from tachk.api.tools.limits import DEFAULT_CEILINGS, ToolLimits
+from tachk.base.optional_packages import MissingPackageError
 
 ROOT = Path(__file__).parents[3]
 FISCHER, GATE = (str(ROOT / f"models/classics/{name}.ta") for name in ("fischer", "train_gate"))
@@ -266,11 +267,12 @@ def test_the_server_ends_by_ctrl_c_and_so_does_its_call() -> None:
 
 
 def test_without_the_package_the_command_names_it(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from tachk.cli.commands.mcp import run_mcp
 
     monkeypatch.delitem(sys.modules, "tachk.api.tools.server", raising=False)
     monkeypatch.setitem(sys.modules, "mcp_types", None)
-    assert run_mcp(None, None, None) == 3
-    assert 'pip install "tachk[mcp]"' in capsys.readouterr().err
+    with pytest.raises(MissingPackageError) as error:
+        run_mcp(None, None, None)
+    assert error.value.help == 'pip install "tachk[mcp]"'
