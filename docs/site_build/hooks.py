@@ -22,6 +22,9 @@ from docs.site_build.site_files import expanded  # noqa: E402
 HOME = "README.md"
 """The page that has the whole width."""
 
+WEIGHTS = {"reference/commands/": 2, "tutorial": 2, "decisions/": 0.5, "performance": 0.5, "history": 0.2}
+"""How much pages count in the search, by how their paths begin; 1 without an entry."""
+
 _built: list[Contents] = []
 """What the build in progress has generated."""
 
@@ -46,6 +49,14 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     path = page.file.src_uri
     if path == HOME:
         page.meta["hide"] = ["navigation", "toc"]
+    page.meta["search"] = search_of(path)
     origins = {file.path: file.origin for file in _built[0].files}
     origin = origins.get(path) or f"docs/{path}"
     return bars_in_tables(titled_fences(_built[0].links.rewritten(markdown, origin, path)))
+
+
+def search_of(path: str) -> dict[str, Any]:
+    """How the search treats a page: it leaves out listings of files, and prefers what a reader looks for first."""
+    if path.startswith("source/"):
+        return {"exclude": True}
+    return {"boost": next((weight for begin, weight in WEIGHTS.items() if path.startswith(begin)), 1)}

@@ -54,7 +54,7 @@ LOOKED_AT = (
 
 SEARCHED = {
     "deadlock": "deadlock",
-    "max-seconds-each": "verify.html",
+    "--max-seconds-each": "verify.html",
     "E0201": "names.html",
     "synthesize": "synthesi",
     "NetworkBuilder": "builder.html",
