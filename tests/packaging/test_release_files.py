@@ -64,7 +64,6 @@ def run_steps(folder: Path, inputs: dict[str, str]) -> list[tuple[str, int, str]
     program.parent.mkdir()
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m tachk "$@"\n', encoding="utf-8")
     program.chmod(0o755)
-    (program.parent / "python").symlink_to(sys.executable)
     given = {name: inputs.get(name, entry.get("default", "")) for name, entry in ACTION["inputs"].items()}
     outcomes = []
     for step in ACTION["runs"]["steps"]:
