@@ -19,7 +19,7 @@ from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.meaning.comparisons import comparisons
 from tachk.meaning.constraints import Disjunction, conditional_constraints, satisfied
-from tachk.meaning.dbm import INFINITY, Constraint, bound_value
+from tachk.meaning.dbm import INFINITY, ClockValues, Constraint, bound_value
 from tachk.meaning.discrete import (
     PreparedNetwork,
     bind_selects,
@@ -401,9 +401,20 @@ def observable_constraints(
     found.update(c for requirement in guards.values() for conjunction in requirement for c in conjunction)
     for transition in candidates:
         with suppress(EvaluationFault):
-            target, _ = execute_updates(model, discrete, transition)
-            found.update(list(_constraints(_invariants(model, target), environment(model, target))))
+            target, resets = execute_updates(model, discrete, transition)
+            behind = list(_constraints(_invariants(model, target), environment(model, target)))
+            found.update(behind)
+            found.update(_before(behind, resets))
     return frozenset(found)
+
+
+def _before(constraints: Iterable[Constraint], resets: ClockValues) -> Iterator[Constraint]:
+    """Constraints behind a transition that sets clocks, as constraints on the clocks before it."""
+    values = {clock: (source, more) for clock, source, more in resets}
+    for i, j, raw in constraints:
+        (first, more), (second, less) = values.get(i, (i, 0)), values.get(j, (j, 0))
+        if first != second and raw < INFINITY:
+            yield first, second, raw - 2 * (more - less)
 
 
 def _invariants(model: PreparedNetwork, discrete: DiscreteState) -> Iterable[Expression | None]:

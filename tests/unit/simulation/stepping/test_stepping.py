@@ -259,3 +259,14 @@ def test_random_steps_keep_their_times_short() -> None:
         session = session.random(random)
     assert session.position > 2
     assert 1000 % session.state.time.denominator == 0
+
+
+def test_an_invariant_bounds_a_clock_that_is_set_to_another_one() -> None:
+    text = """
+        clock x, y;
+        process P() { init location a { to b { assign x = y + 1; } } location b { invariant x <= 3; } }
+        system P;
+    """
+    names = RunNames(tachk.loads(text).network)
+    (choice,) = enabled_steps(names, Session.begin(names).state).transitions
+    assert [str(window) for window in choice.windows] == ["[0, 2]"]
