@@ -351,7 +351,7 @@ def relevant_moments(
     stopped = stopped_clocks(model, state.discrete) | {0}
     changes = {Fraction(0)}
     point = (Fraction(0), *state.clocks)
-    for i, j, raw in observable_constraints(model, state.discrete, tuple(predicates)):
+    for i, j, raw in observable_constraints(model, state.discrete, tuple(predicates), True):
         speed = (i not in stopped) - (j not in stopped)
         if speed and raw < INFINITY:
             moment = (bound_value(raw) - (point[i] - point[j])) / speed
@@ -365,11 +365,15 @@ def relevant_moments(
 
 @by_state
 def observable_constraints(
-    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
+    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...], earlier: bool
 ) -> frozenset[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
     rule out; and those of predicates, whose ``deadlock`` depends on no others. Guards that cannot be evaluated are left
-    out: a step that evaluates them will meet the fault."""
+    out: a step that evaluates them will meet the fault.
+
+    Args:
+        earlier: the constraints behind transitions are given as those on the clocks before them.
+    """
     found = set(_constraints(_invariants(model, discrete), environment(model, discrete)))
     for predicate in predicates:
         for answer in (False, True):
@@ -403,8 +407,7 @@ def observable_constraints(
         with suppress(EvaluationFault):
             target, resets = execute_updates(model, discrete, transition)
             behind = list(_constraints(_invariants(model, target), environment(model, target)))
-            found.update(behind)
-            found.update(_before(behind, resets))
+            found.update(_before(behind, resets) if earlier else behind)
     return frozenset(found)
 
 
