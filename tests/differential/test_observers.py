@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from tachk.base.span import Source
 from tachk.frontend.loaded import LoadedModel
 from tachk.logic.observer.construction import NoObserver, build_observer
 from tachk.logic.observer.violation import condition_of
@@ -22,6 +23,7 @@ from tachk.model.query import Query
 from tachk.model.run import DiscreteState, TimedState, Transition
 from tachk.syntax import ast
 from tachk.syntax.formula import Formula, TruthConstant
+from tachk.syntax.formulas.parser import parse_formula
 from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.rewrite import rewrite
 from tachk.transform.observed import observed
@@ -30,9 +32,11 @@ from tachk.verify.verify import verify
 from tests.support import RandomCase, Shape, random_case
 from tests.support.agreement import VARIANTS, Effort, compare
 from tests.support.exact_monitor import verdict
+from tests.support.exact_trace import ExactTrace
 from tests.support.observer_agreement import (
     ObserverCase,
     bounded_observer_case,
+    edges_observer_case,
     endless_observer_case,
     nested_observer_case,
     past_observer_case,
@@ -109,6 +113,47 @@ def test_an_observer_says_what_the_monitor_says_of_what_is_temporal_inside(block
         answers.append(truth)
     assert enough(answers.count(False) > 4)
     assert enough(len(answers) - answers.count(False) > 4)
+
+
+@pytest.mark.parametrize("block", range(3))
+def test_an_observer_says_what_the_monitor_says_of_edges_that_coincide(block: int) -> None:
+    answers = []
+    for seed in seeds(range(50 * block, 50 * block + 50)):
+        case = edges_observer_case(Random(seed))
+        model = replaying(case.trace)
+        query = query_of(case.formula, model)
+        if query is None:
+            continue
+        truth = _truth(case)
+        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
+        answers.append(truth)
+    assert enough(answers.count(False) > 5)
+    assert enough(len(answers) - answers.count(False) > 5)
+
+
+@pytest.mark.parametrize(
+    ("requirement", "rows", "end"),
+    [
+        # Both rise at the beginning, where one of them must not count as having been there before.
+        ("F[0, 8] (rise(q) && rise(r))", {0: "q r", 8: "p q r"}, 20),
+        # p rises at the last instant of the window, and stays: violated there, and nowhere before.
+        ("F(0, 4] ((q || !rise(p)) && (fall(p) || p))", {0: "", 4: "p", 9: ""}, 12),
+        # The same for the last instant of something that has to last from the last instant on.
+        ("F[0, 4] (p && F[0, 4] (!rise(q) && q))", {0: "p", 8: "p q"}, 20),
+        ("F[0, 4] (rise(p) && F[0, 4] ((r || !rise(q)) && (fall(q) || q)))", {0: "", 4: "p", 8: "p q"}, 20),
+    ],
+)
+def test_edges_at_the_first_and_at_the_last_instant_of_a_window(
+    requirement: str, rows: dict[int, str], end: int
+) -> None:
+    columns = {name: tuple(name in row.split() for row in rows.values()) for name in ("p", "q", "r")}
+    trace = ExactTrace(tuple(map(Fraction, rows)), columns, Fraction(end))
+    formula, _ = parse_formula(Source("requirement", requirement))
+    assert formula is not None
+    model = replaying(trace)
+    query = query_of(formula, model)
+    assert query is not None
+    assert violated(model, query) == (verdict(formula, trace).truth is False)
 
 
 @pytest.mark.parametrize("block", range(3))

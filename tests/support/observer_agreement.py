@@ -92,6 +92,12 @@ def nested_observer_case(random: Random) -> ObserverCase:
     return _case_on_bounds(random, _nested(random))
 
 
+def edges_observer_case(random: Random) -> ObserverCase:
+    """A requirement in which several edges may have to coincide in a window, and a trace as for
+    `bounded_observer_case`."""
+    return _case_on_bounds(random, _edges(random))
+
+
 def past_observer_case(random: Random) -> ObserverCase:
     """A formula with a window on the past that may end before now, or look for an edge."""
     return _case_on_bounds(random, _looking_back(random))
@@ -273,6 +279,36 @@ def _nested(random: Random) -> Formula:
         lambda: _globally(_implies(first, _maybe_negated(random, syntax.Historically(NOWHERE, _window(random), flag)))),
     ]
     return random.choices(makers, (4, 2, 3, 2, 2, 2, 1, 1, 3, 2))[0]()
+
+
+def _edges(random: Random) -> Formula:
+    several = _combined(random, 2)
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Eventually(NOWHERE, _window(random), several),
+        lambda: syntax.Always(NOWHERE, _window(random), several),
+        lambda: syntax.Eventually(
+            NOWHERE,
+            _window(random),
+            syntax.Or(NOWHERE, (several, syntax.Always(NOWHERE, _window(random), _combined(random, 0)))),
+        ),
+    ]
+    found = random.choices(makers, (3, 1, 1))[0]()
+    return found if random.random() < 0.5 else _globally(_implies(_combined(random, random.choice((0, 1))), found))
+
+
+def _combined(random: Random, depth: int) -> Formula:
+    """Edges and conditions, joined by and and or."""
+    if depth > 0 and random.random() < 0.8:
+        join = random.choice((syntax.And, syntax.Or))
+        return join(NOWHERE, (_combined(random, depth - 1), _combined(random, depth - 1)))
+    one, other = _condition(random), _condition(random)
+    condition = one if random.random() < 0.7 else syntax.Or(NOWHERE, (one, other))
+    makers: list[Callable[[], Formula]] = [
+        lambda: syntax.Rise(NOWHERE, condition),
+        lambda: syntax.Fall(NOWHERE, condition),
+        lambda: condition,
+    ]
+    return _maybe_negated(random, random.choices(makers, (4, 3, 3))[0]())
 
 
 def _looking_back(random: Random) -> Formula:

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
+from tachk.base.operators import BinaryOperator
 from tachk.base.span import Span
 from tachk.logic.observer.conditions import Conjunction, all_of, any_of, conjunction, is_false, negated, truth
 from tachk.logic.observer.goals import (
@@ -38,6 +39,8 @@ Valuation = tuple[bool, ...]
 FREE, DURING, CLOSED, OPEN = "free", "during", "closed", "open"
 """The states of a task: there is no obligation; an interval makes one; an instant did, the last one that counts
 included; an interval did. After the window, ``last`` and the last two with ``past`` in front."""
+
+_IN_WINDOW = (FREE, DURING, CLOSED, OPEN)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,16 +110,15 @@ def beginnings(goal: Everywhere) -> list[Beginning]:
     """The ways to begin at an instant."""
     found: list[Beginning] = []
     for valuation in _valuations(goal):
-        values = _values(goal, valuation)
         if not goal.window.low_closed:
             tasks = (_task(goal, FREE, valuation), *_obliged(goal, valuation, instant=False))
             found += [Beginning(task, frozenset(), frozenset()) for task in tasks]
             continue
         for way in goal.allowed:
-            found.append(_begun(_task(goal, FREE, valuation), (way.condition, *values), way.before))
+            found.append(_begun(_task(goal, FREE, valuation), (way.condition,), way.before))
         for way in _demanded_at_once(goal):
             tasks = _obliged(goal, valuation, instant=True)
-            found += [_begun(task, (way.condition, *values), way.before) for task in tasks]
+            found += [_begun(task, (way.condition,), way.before) for task in tasks]
     possible = [
         one for one in found if not is_false(one.now) and not is_false(conjunction((*one.now, *requirement(one.task))))
     ]
@@ -124,7 +126,7 @@ def beginnings(goal: Everywhere) -> list[Beginning]:
 
 
 def _begun(task: TableauTask, conditions: Iterable[ast.Expression], pasts: frozenset[HeldBefore]) -> Beginning:
-    return Beginning(task, _conditions_to_require(task, conjunction(conditions)), pasts)
+    return Beginning(task, _assertion(task, conjunction(conditions)), pasts)
 
 
 def _is_better(one: Beginning, other: Beginning) -> bool:
@@ -134,65 +136,123 @@ def _is_better(one: Beginning, other: Beginning) -> bool:
 def moves(task: TableauTask) -> Iterator[ObserverMoveTask]:
     """The steps that lead on from a task."""
     goal = _goal(task)
-    allowed, inner_ways = _at(goal, goal.allowed, task.before), _at(goal, goal.inner_ways, task.before)
-    if task.phase in (FREE, DURING, CLOSED, OPEN) and goal.window.high is not None:
-        after = {FREE: None, DURING: _next(task, "last")}.get(task.phase, _next(task, f"past {task.phase}"))
-        yield ObserverMoveTask(after, clocks=(over(goal.window, task.clocks[0]),))
+    allowed = _at(goal, goal.allowed, task.before)
+    for guard in _over_window(task):
+        yield ObserverMoveTask(_behind_window(task), clocks=(guard,))
     match task.phase:
         case "free":
             if goal.inner_ways:
                 yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
-            at_once = [inner_ways] if goal.inner is not None and goal.inner.low_closed else []
-            for valuation in _others(task):
-                yield from _change(task, FREE, valuation, (allowed,))
-                if goal.inner_ways:
-                    yield from _change(task, CLOSED, valuation, at_once)
-                    yield from _change(task, DURING, valuation, at_once)
         case "during":
             yield ObserverMoveTask(_next(task, OPEN), guard=conjunction((allowed,)))
-            for valuation in _others(task):
-                yield from _change(task, DURING, valuation, (inner_ways,))
-                yield from _change(task, OPEN, valuation, (allowed, inner_ways))
-                yield from _change(task, CLOSED, valuation, (inner_ways,))
         case "closed" | "open":
             for guard in _ended(task):
                 yield ObserverMoveTask(_next(task, FREE), clocks=(guard,))
             yield ObserverMoveTask(_next(task, DURING), guard=conjunction((negated(allowed),)))
-            for valuation in _others(task):
-                yield from _change(task, task.phase, valuation, (allowed, inner_ways), renewed=False)
-                yield from _change(task, CLOSED, valuation, (inner_ways,))
-                yield from _change(task, DURING, valuation, (inner_ways,))
         case _:
             for guard in _ended(task):
                 yield ObserverMoveTask(None, clocks=(guard,))
-            for valuation in _others(task):
-                yield from _change(task, task.phase, valuation, (inner_ways,))
+    for phase, conditions, renewed in _changes(task):
+        for valuation in _others(task):
+            yield from _change(task, phase, valuation, conjunction(conditions), renewed)
+
+
+def _changes(task: TableauTask) -> list[tuple[str, list[ast.Expression], bool]]:
+    """The phases that may follow when an edge happens, what is asserted of the instant, and whether an obligation
+    begins."""
+    goal = _goal(task)
+    allowed, inner_ways = _at(goal, goal.allowed, task.before), _at(goal, goal.inner_ways, task.before)
+    match task.phase:
+        case "free" if goal.inner_ways:
+            at_once = [inner_ways] if goal.inner is not None and goal.inner.low_closed else []
+            return [(FREE, [allowed], True), (CLOSED, at_once, True), (DURING, at_once, True)]
+        case "free":
+            return [(FREE, [allowed], True)]
+        case "during":
+            return [
+                (DURING, [inner_ways], True),
+                (OPEN, [allowed, inner_ways], True),
+                (CLOSED, [inner_ways], True),
+            ]
+        case "closed" | "open":
+            return [
+                (task.phase, [allowed, inner_ways], False),
+                (CLOSED, [inner_ways], True),
+                (DURING, [inner_ways], True),
+            ]
+        case _:
+            return [(task.phase, [inner_ways], False)]
 
 
 def _change(
-    task: TableauTask, phase: str, valuation: Valuation, conditions: Iterable[ast.Expression], renewed: bool = True
+    task: TableauTask, phase: str, valuation: Valuation, conditions: Conjunction, renewed: bool
 ) -> Iterator[ObserverMoveTask]:
+    """The steps when edges lead to a valuation; also at the last instant of the window, or of an obligation, behind
+    which it need not be as it should."""
     goal = _goal(task)
     after = _next(task, phase, valuation, renewed)
     required = conjunction((*conditions, *_values(goal, valuation)))
-    if phase == DURING and not _may_stay_undecided(goal, valuation):
+    if is_false(required):
         return
-    if not is_false(required) and not is_false(conjunction((*required, *requirement(after)))):
-        yield ObserverMoveTask(after, _conditions_to_require(after, required))
+    if not is_false(conjunction((*required, *requirement(after)))) and (
+        phase != DURING or _may_stay_undecided(goal, valuation)
+    ):
+        yield ObserverMoveTask(after, _assertion(after, conditions))
+    if phase == DURING or conjunction(requirement(after)) <= required:
+        return
+    last_of_window = _last_instant(_over_window(task))
+    last_of_obligation = () if renewed else _last_instant(_ended(task))
+    if last_of_window:
+        yield from _finished(_behind_window(after), required, last_of_window)
+    if last_of_obligation:
+        yield from _finished(_next(after, FREE) if task.phase in _IN_WINDOW else None, required, last_of_obligation)
+    if last_of_window and last_of_obligation:
+        yield from _finished(None, required, (*last_of_window, *last_of_obligation))
 
 
-def _conditions_to_require(task: TableauTask, conditions: Conjunction) -> Conjunction:
-    """The conditions to assert at an instant; none if the task requires as much, and its memory of the instant cannot
-    allow more than is allowed."""
+def _finished(
+    rest: TableauTask | None, required: Conjunction, clocks: tuple[ClockGuard, ...]
+) -> Iterator[ObserverMoveTask]:
+    if rest is None or not is_false(conjunction((*required, *requirement(rest)))):
+        yield ObserverMoveTask(rest, required, clocks)
+
+
+def _over_window(task: TableauTask) -> tuple[ClockGuard, ...]:
+    """The guard that the window is over, if it is not yet and ends some time."""
+    window = _goal(task).window
+    return (over(window, task.clocks[0]),) if task.phase in _IN_WINDOW and window.high is not None else ()
+
+
+def _behind_window(task: TableauTask) -> TableauTask | None:
+    """What is left of a task when the window is over."""
+    match task.phase:
+        case "free":
+            return None
+        case "during":
+            return _next(task, "last")
+        case phase:
+            return _next(task, f"past {phase}")
+
+
+def _last_instant(ends: tuple[ClockGuard, ...]) -> tuple[ClockGuard, ...]:
+    """The guard of the last instant that counts, before the guard of an end; none if there is no last one."""
+    return tuple(
+        ClockGuard(end.clock, BinaryOperator.EQUAL, end.value) for end in ends if end.operator is BinaryOperator.GREATER
+    )
+
+
+def _assertion(task: TableauTask, allowed: Conjunction) -> Conjunction:
+    """What is asserted of the instant at which the task begins with this memory: what is allowed there, and the memory.
+
+    Nothing, if the task requires as much, and what it remembers of the instant is of no use at it: a step with
+    another memory at the same instant would need no less than what is allowed anyway."""
     goal = _goal(task)
-    required = conjunction(requirement(task))
-    if goal.inner_ways or not conditions <= required:
-        return conditions
-    allowed = _at(goal, goal.allowed, task.before)
-    if allowed == truth(True, allowed.span):
-        return frozenset()
-    stays = all(is_false(conjunction((allowed, *_values(goal, other)))) for other in _others(task))
-    return frozenset() if stays else conditions
+    asserted = conjunction((*allowed, *_values(goal, task.before)))
+    if goal.inner_ways or not asserted <= conjunction(requirement(task)):
+        return asserted
+    behind = _at(goal, goal.allowed, task.before)
+    others = (conjunction((behind, *_values(goal, other))) for other in _others(task))
+    return frozenset() if all(is_false(other) or allowed <= other for other in others) else asserted
 
 
 # ---- tasks ----------------------------------------------------------------------------------------------------------
