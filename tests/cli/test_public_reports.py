@@ -192,7 +192,7 @@ REPORTS = (
         {"m.ta": STRUCT},
         ("verify", "m.ta", "E<> P.b && v[0].n == 3"),
         0,
-        ("W0406", "1 of 1 as expected"),
+        ("W0406", "1 passed"),
     ),
     PublicReport("assigned_places", {"m.ta": PLACES}, ("verify", "m.ta", "E<> Z.t && i == 4", "--quiet"), 0, ()),
     PublicReport(

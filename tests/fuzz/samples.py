@@ -231,7 +231,7 @@ quit
 """
 
 RUN = """\
-# run 0 of lamp.ta, which ends with: horizon
+# run 0 of lamp.ta, which reached the time limit
 3.466743475 press!  User(1): idle -> idle & Lamp: off -> on
 8.092923671 light[0]!  Lamp: on -> off
 +0.5 press!  User(0): idle -> idle & Lamp: off -> on

@@ -181,8 +181,8 @@ class Stepper:
         path = path if path.suffix else path.with_suffix(SUFFIX)
         text = run_text(self.session.names, self.session.trace, [f"a run of {self._model}"], self._constants)
         write_whole(path, text)
-        steps = "1 step is" if self.session.position == 1 else f"{self.session.position} steps are"
-        yield f"{steps} in {path}; tachk replay {self._model} {path} shows them"
+        steps = "1 step" if self.session.position == 1 else f"{self.session.position} steps"
+        yield f"saved {steps} to {path}; to show them: tachk replay {self._model} {path}"
 
     def _load(self, rest: str) -> Iterator[str]:
         if not rest:

@@ -18,30 +18,30 @@ from tachk.syntax.formula import Duration, Formula
 from tachk.syntax.formulas.printer import print_formula, print_number
 from tachk.syntax.walk import nodes_of_kind
 
-_INSTANTS = "instants  what is true for no time only, such as in a committed location of a model, does not count"
+_INSTANTS = "instants    what is true for no time only, such as in a committed location of a model, does not count"
 
 
 def formula_lines(named: NamedFormula) -> list[str]:
     """The formula in canonical form, how far it looks ahead, and the automaton that observes it."""
-    lines = [f"sentence  {named.sentence}"] if named.sentence else []
-    lines.append(f"formula   {named.text}")
+    lines = [f"sentence    {named.sentence}"] if named.sentence else []
+    lines.append(f"formula     {named.text}")
     named = named.within(())
     formula = named.formula
     if (simpler := simplify(formula)) != formula:
-        lines.append(f"simpler   {print_formula(simpler)}")
+        lines.append(f"simpler     {print_formula(simpler)}")
     try:
         formula, unit = _resolved(named)
-        lines.append(f"horizon   {_horizon(formula, unit)}")
+        lines.append(f"look-ahead  {_horizon(formula, unit)}")
     except InputError as error:
-        lines.append(f"horizon   not known: {error.diagnostics[0].message}")
+        lines.append(f"look-ahead  not known: {error.diagnostics[0].message}")
     lines.append(_INSTANTS)
     offence = outside_fragment(formula)
     if offence is None:
-        lines.append("STL_lb=0  yes: every interval begins at 0, and only an outermost G has no end")
+        lines.append("fragment    STL with lb = 0: every interval begins at 0, and only an outermost G has no end")
     else:
-        lines.append(f"STL_lb=0  no, because of {print_formula(offence.formula)}: {offence.reason}")
+        lines.append(f"fragment    not STL with lb = 0, because of {print_formula(offence.formula)}: {offence.reason}")
     if all(isinstance(duration.value, Fraction) for duration in nodes_of_kind(formula, Duration)):
-        lines.append(f"observer  {_observer(formula)}")
+        lines.append(f"observer    {_observer(formula)}")
     return lines
 
 
@@ -78,8 +78,8 @@ def _resolved(named: NamedFormula) -> tuple[Formula, str]:
 def _horizon(formula: Formula, unit: str) -> str:
     reach = horizon(formula)
     if reach is None:
-        return "none: the verdict can stay open as long as the run goes on"
-    return f"decided after {_time(reach, unit)}" if reach else "decided at once"
+        return "unlimited: the verdict can stay open as long as the run goes on"
+    return f"{_time(reach, unit)}: the verdict is known after it" if reach else "none: the verdict is known at once"
 
 
 def _time(reach: Fraction, unit: str) -> str:

@@ -26,9 +26,9 @@ def _strategy(verdict: Verdict) -> Iterator[str]:
 
 
 def for_all(members: str) -> str:
-    """The states of which one has been searched or shown, for the members of a group."""
+    """The symmetry reduction for the members of a group, by which one state stands for several."""
     ring = members.removesuffix(" in a ring")
-    return f"one state stands for all {'exchanges of' if ring == members else 'rotations of'} {ring}"
+    return f"symmetry: {ring} {'are interchangeable' if ring == members else 'can be rotated'}"
 
 
 def _reductions(statistics: Statistics) -> Iterator[str]:

@@ -345,9 +345,10 @@ def _summary(record: RunRecord) -> Text:
     other = sum(map(record.leaves_the_model, record.verdicts))
     wrong = sum(answer.met is False for answer in is_counted) - other
     unknown = sum(answer.met is None for answer in is_counted)
-    parts = [f"{total - wrong - other - unknown - uncheckable} of {total} as expected"] if total else []
+    passed = total - wrong - other - unknown - uncheckable
+    parts = [f"{passed} passed"] if passed else []
     if wrong:
-        parts.append(f"{wrong} not")
+        parts.append(f"{wrong} failed")
     if other:
         verb = "differs" if other == 1 else "differ"
         parts.append(f"{other} {verb} from what the model expects of other constants")

@@ -146,6 +146,6 @@ def _formula(named: NamedFormula, lines: list[str]) -> dict[str, Any]:
         "formula": named.text,
         "sentence": named.sentence or None,
         "columns": sorted(named.columns),
-        "horizon": parts["horizon"],
+        "horizon": parts["look-ahead"],
         "observer": parts.get("observer"),
     }

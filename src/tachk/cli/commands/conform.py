@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     help="How much to explain about a recording that does not conform. none: nothing; short: where it leaves the model,"
     " and an edit that would make it a run if one is found in a few seconds; full: try all edits near that place.",
 )
-@click.option("--coverage", is_flag=True, help="Also report which edges of the model the runs that were found take.")
+@click.option("--coverage", is_flag=True, help="Also report the edge coverage: which edges of the model the runs take.")
 @options.max_states()
 @options.max_seconds()
 @options.report("text", "json")

@@ -33,7 +33,7 @@ def command(subjects: tuple[str, ...], sentences: bool, seconds: float | None) -
     """Explain a message of tachk, or a property that is written as a formula or a sentence.
 
     For a message: what it means, an example, how to mend it. For a property: its formula in canonical form, how far it
-    looks ahead, and whether all its intervals begin at 0.
+    looks ahead, and the automaton that observes it.
     """
     if sentences:
         options.finish(lambda: run_sentences(subjects), seconds)

@@ -62,7 +62,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     constants = {name: value for name, value in model.constants.items() if name in chosen}
 
     def write_steps(run: Simulated, drawn: Runs) -> None:
-        heading = [f"run {run.number} of {model.path}, which ends with: {run.ending}"]
+        heading = [f"run {run.number} of {model.path}, which {run.ending.what_happened}"]
         text = steps_text(names, steps_of(run), heading, constants)
         write_whole(output.with_name(output.name.replace(RUN, str(run.number))), text)
 

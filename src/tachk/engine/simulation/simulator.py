@@ -53,6 +53,22 @@ class SimulationEnding(StrEnum):
     END_OF_TIME = "end of time"
     """It has no bound on time, and lasts longer than can be counted."""
 
+    @property
+    def what_happened(self) -> str:
+        """What a run did that ended so, behind its number or the number of such runs."""
+        return _WHAT_HAPPENED[self]
+
+
+_WHAT_HAPPENED = {
+    SimulationEnding.HORIZON: "reached the time limit",
+    SimulationEnding.DEADLOCK: "ended in a deadlock",
+    SimulationEnding.TIME_LOCK: "ended in a time-lock",
+    SimulationEnding.ZENO: "ended at an instant after which no time passes",
+    SimulationEnding.STEPS: "reached the limit of steps",
+    SimulationEnding.FAULT: "ended with a run-time error",
+    SimulationEnding.INITIAL: "had no initial state",
+    SimulationEnding.END_OF_TIME: "reached the end of the time that can be counted",
+}
 
 _ENDINGS = {ending: SimulationEnding[ending.name] for ending in _core.Ending}
 

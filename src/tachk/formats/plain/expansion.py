@@ -245,7 +245,7 @@ def _classic(template: ast.Template, steps: list[PlainRewriting]) -> ast.Templat
     owners: Sequence[ast.LocationDeclaration | ast.Branchpoint] = (*template.locations, *template.branchpoints)
     edges = tuple(replace(edge, source=owner.name) for owner in owners for edge in owner.edges)
     places = _count(len(template.locations), "location")
-    text = f"{_count(len(edges), 'edge')} of `{template.name.name}` behind {places}"
+    text = f"`{template.name.name}` is written as `state ... trans ...`: {places}, {_count(len(edges), 'edge')}"
     steps.append(PlainRewriting("location blocks", template.name.span, text))
     return replace(
         template,

@@ -41,7 +41,7 @@ def tally_lines(heading: SimulationHeading, tally: Tally) -> Iterator[str]:
     for ending, count in tally.endings.most_common():
         number, end = tally.examples[ending]
         where = "" if ending is SimulationEnding.HORIZON else f", the first is run {number} at {end}"
-        yield f"{count:8} end with: {ending}{where}"
+        yield f"  {count} {'run' if count == 1 else 'runs'} {ending.what_happened}{where}"
     for written, done in tally.done.items():
         missed = tally.missed[written]
         impossible = f", {times_text(missed)} the model does not allow it" if missed else ""

@@ -242,7 +242,7 @@ def place_name(place: Expression, network: Network) -> str | None:
 def endings_text(endings: Iterable[tuple[SimulationEnding, int]]) -> Sequence[str]:
     """The warning about runs that ended before their bound."""
     return [
-        f"{count} {'run ends' if count == 1 else 'runs end'} with: {ending}"
+        f"{count} {'run' if count == 1 else 'runs'} {ending.what_happened}"
         for ending, count in endings
         if ending is not SimulationEnding.HORIZON
     ]

@@ -198,12 +198,12 @@ def law_quantity(
     """The law of a client, and what says so: HEARTBEATs, or that none came for longer than any other law allows."""
     law, following, against = client_law(found)
     silent = [one for one in starved if one.length > 3 * period]
-    name, title = "client_heartbeat_law", "waits that show the law of the client's HEARTBEATs"
+    name, title = "client_heartbeat_law", "intervals that show the heartbeat policy of the client"
     if law is None and not silent:
-        missing = "no HEARTBEAT distinguishes the laws: that takes other packets shortly before one"
+        missing = "no HEARTBEAT tells the policies apart: other packets must come shortly before one"
         return None, Quantity(name, title, QuantityUnit.MILLISECONDS, (), None, Confidence.NOT_ENOUGH, missing)
     law = law or HeartbeatLaw.REARMED
-    how = f"{law.value}; HEARTBEATs that show it: {len(following)}, that show another law: {against}"
+    how = f"{law.value}; HEARTBEATs that show it: {len(following)}, that contradict it: {against}"
     samples = [Observation(wait.activity, wait.places) for wait in following]
     if silent and law is HeartbeatLaw.REARMED:
         longest = max(one.length for one in silent)
