@@ -48,7 +48,7 @@ def observable_clocks(
     related = {clock for copy in clock_copies(model.network) for clock in copy.sources}
     for state in set(states):
         related |= stopped_clocks(model, state)
-        for i, j, raw in observable_constraints(model, state, tuple(predicates), False):
+        for i, j, raw in observable_constraints(model, state, tuple(predicates)):
             if raw >= INFINITY:
                 continue
             if i and j:

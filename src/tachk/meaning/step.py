@@ -351,7 +351,7 @@ def relevant_moments(
     stopped = stopped_clocks(model, state.discrete) | {0}
     changes = {Fraction(0)}
     point = (Fraction(0), *state.clocks)
-    for i, j, raw in observable_constraints(model, state.discrete, tuple(predicates), True):
+    for i, j, raw in _constraints_before_steps(model, state.discrete, tuple(predicates)):
         speed = (i not in stopped) - (j not in stopped)
         if speed and raw < INFINITY:
             moment = (bound_value(raw) - (point[i] - point[j])) / speed
@@ -365,21 +365,58 @@ def relevant_moments(
 
 @by_state
 def observable_constraints(
-    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...], earlier: bool
+    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
 ) -> frozenset[Constraint]:
     """The clock constraints of all guards, and of the invariants here and behind all transitions that values do not
     rule out; and those of predicates, whose ``deadlock`` depends on no others. Guards that cannot be evaluated are left
     out: a step that evaluates them will meet the fault.
-
-    Args:
-        earlier: the constraints behind transitions are given as those on the clocks before them.
     """
+    behind = (constraint for _, constraints in _steps(model, discrete) for constraint in constraints)
+    return _constraints_here(model, discrete, predicates).union(behind)
+
+
+@by_state
+def _constraints_before_steps(
+    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
+) -> frozenset[Constraint]:
+    """The observable constraints, those behind a transition as constraints on the clocks before it."""
+    before = (
+        constraint for resets, constraints in _steps(model, discrete) for constraint in _before(constraints, resets)
+    )
+    return _constraints_here(model, discrete, predicates).union(before)
+
+
+def _constraints_here(
+    model: PreparedNetwork, discrete: DiscreteState, predicates: tuple[Expression, ...]
+) -> frozenset[Constraint]:
+    """The clock constraints of the invariants, of the guards that values do not rule out, and of predicates."""
     found = set(_constraints(_invariants(model, discrete), environment(model, discrete)))
     for predicate in predicates:
         for answer in (False, True):
             scratch = environment(model, discrete)
             scratch.deadlock = partial(bool, answer)
             found |= comparisons(predicate, scratch)
+    guards, _ = _candidates(model, discrete)
+    found.update(c for requirement in guards.values() for conjunction in requirement for c in conjunction)
+    return frozenset(found)
+
+
+def _steps(model: PreparedNetwork, discrete: DiscreteState) -> tuple[tuple[ClockValues, tuple[Constraint, ...]], ...]:
+    """Of each transition that values do not rule out: the clocks it sets, and the constraints of the invariants
+    behind it."""
+    found = []
+    for transition in _candidates(model, discrete)[1]:
+        with suppress(EvaluationFault):
+            target, resets = execute_updates(model, discrete, transition)
+            found.append((resets, tuple(_constraints(_invariants(model, target), environment(model, target)))))
+    return tuple(found)
+
+
+@by_state
+def _candidates(
+    model: PreparedNetwork, discrete: DiscreteState
+) -> tuple[dict[Participant, Disjunction], list[Transition]]:
+    """The constraints of the guards, and the transitions, that values do not rule out."""
     closed: Disjunction = []
     guards: dict[Participant, Disjunction] = {}
 
@@ -402,13 +439,7 @@ def observable_constraints(
                 continue
             receiving = [list(filter(guard, p)) for p in enabled_receivers(model, discrete, first, channel)]
             candidates.extend(transitions_with(model, discrete, first, channel, receiving, lambda receivers: True))
-    found.update(c for requirement in guards.values() for conjunction in requirement for c in conjunction)
-    for transition in candidates:
-        with suppress(EvaluationFault):
-            target, resets = execute_updates(model, discrete, transition)
-            behind = list(_constraints(_invariants(model, target), environment(model, target)))
-            found.update(_before(behind, resets) if earlier else behind)
-    return frozenset(found)
+    return guards, candidates
 
 
 def _before(constraints: Iterable[Constraint], resets: ClockValues) -> Iterator[Constraint]:

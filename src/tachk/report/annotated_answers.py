@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from io import StringIO
 
-from tachk.meaning.run_view import view_trace
 from tachk.report.annotations import Annotation, annotated, in_a_file, to_github, to_sarif, with_help
-from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.run.trace_text import print_trace
 from tachk.report.run_formats import ReportWriter
-from tachk.report.text_report import TextReport, print_fault
-from tachk.verify.verdict import Answer, Verdict
+from tachk.report.text_report import TextReport, recorded_run
+from tachk.verify.verdict import Answer
 
 
 class SarifReport(ReportWriter):
@@ -59,7 +55,12 @@ def _of_answers(record: RunRecord) -> Iterator[Annotation]:
             yield Annotation("warning", "unknown-answer", message, place)
         elif verdict.met is False:
             said = f"{verdict.query.name} {verdict.answer.value}, expected {wanted}"
-            yield Annotation("error", "unexpected-answer", "\n".join((said, *_run(record, verdict))), place)
+            yield Annotation(
+                "error",
+                "unexpected-answer",
+                "\n".join((said, *recorded_run(record, verdict).rstrip().splitlines())),
+                place,
+            )
     for answer in record.estimates:
         place = in_a_file(answer.query.span)
         if answer.met is None:
@@ -71,14 +72,3 @@ def _of_answers(record: RunRecord) -> Iterator[Annotation]:
             yield Annotation("error", "unexpected-answer", "\n".join(answered_lines(answer)), place)
     for query in record.not_checked:
         yield from map(annotated, query.diagnostics)
-
-
-def _run(record: RunRecord, verdict: Verdict) -> list[str]:
-    """The lines of the run that shows an answer."""
-    out = StringIO()
-    console = plain_console(out, width=120)
-    if verdict.fault is not None:
-        print_fault(record.network, verdict.fault, console, record.runs)
-    if verdict.trace is not None and record.runs:
-        print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
-    return out.getvalue().rstrip().splitlines()

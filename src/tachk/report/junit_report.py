@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from io import StringIO
 from xml.etree import ElementTree
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.diagnostics.render import render
-from tachk.meaning.run_view import view_trace
 from tachk.report.extreme_text import value_lines
-from tachk.report.plain_console import plain_console
 from tachk.report.record import NotRead, RunRecord
-from tachk.report.run.trace_text import print_trace
 from tachk.report.run_formats import ReportWriter
-from tachk.report.text_report import print_fault
+from tachk.report.text_report import recorded_run
 from tachk.verify.verdict import Answer, Verdict
 
 _NUMBERED = re.compile(r"q\d+")
@@ -130,14 +126,7 @@ def _result(case: ElementTree.Element, kind: str, message: str, details: str) ->
 
 
 def _details(record: RunRecord, verdict: Verdict) -> str:
-    out = StringIO()
-    console = plain_console(out, width=120)
-    console.print(verdict.query.text, markup=False, highlight=False, soft_wrap=True)
-    if verdict.fault is not None:
-        print_fault(record.network, verdict.fault, console, record.runs)
-    if verdict.trace is not None and record.runs:
-        print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
-    return out.getvalue()
+    return f"{verdict.query.text}\n{recorded_run(record, verdict)}"
 
 
 def clean(text: str) -> str:

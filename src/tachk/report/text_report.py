@@ -264,6 +264,17 @@ def print_fault(
     print_trace(view, console, network.time_unit, RunDisplay(every_step=every_step, ends=_FAULT_ENDS))
 
 
+def recorded_run(record: RunRecord, verdict: Verdict) -> str:
+    """The run-time error and the run that show an answer, as text without colours for files."""
+    out = StringIO()
+    console = plain_console(out, width=120)
+    if verdict.fault is not None:
+        print_fault(record.network, verdict.fault, console, record.runs)
+    if verdict.trace is not None and record.runs:
+        print_trace(view_trace(record.network, verdict.trace), console, record.network.time_unit)
+    return out.getvalue()
+
+
 def _rendered(diagnostic: Diagnostic) -> Text:
     return Text.from_ansi(render(diagnostic, colour=True))
 
