@@ -87,10 +87,16 @@ def _functions(value: object) -> Iterator[Any]:
     if not inspect.isclass(value):
         yield value
         return
-    for name, member in vars(value).items():
+    members = {name: each for base in reversed(_ours(value)) for name, each in vars(base).items()}
+    for name, member in members.items():
         function = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
         if not name.startswith("_") and inspect.isfunction(function):
             yield function
+
+
+def _ours(value: type) -> list[type]:
+    """The class and what it inherits from in tachk."""
+    return [base for base in value.__mro__ if base.__module__.startswith("tachk.")]
 
 
 def _annotation(function: object) -> object:

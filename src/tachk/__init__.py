@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from tachk.recordings.traces.node_signal import Truth
     from tachk.recordings.traces.trace_files import open_trace
     from tachk.simulation.stepping.library import replay, simulate
+    from tachk.simulation.stepping.walk import step
     from tachk.xrce.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.xrce.measuring.measure import measure
 
@@ -78,6 +79,7 @@ __all__ = [
     "random_network",
     "replay",
     "simulate",
+    "step",
 ]
 
 
@@ -93,6 +95,7 @@ _HOMES = {
     "open_trace": "tachk.recordings.traces.trace_files",
     "replay": "tachk.simulation.stepping.library",
     "simulate": "tachk.simulation.stepping.library",
+    "step": "tachk.simulation.stepping.walk",
 }
 
 

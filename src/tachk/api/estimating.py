@@ -85,6 +85,7 @@ class Estimates(Sequence["Estimate"]):
         return data_frame(self.to_rows())
 
     def to_text(self) -> str:
+        """As `tachk estimate` prints it."""
         from tachk.report.statistics.text import answer_lines
 
         return "".join(f"{line}\n" for each in self.answers for line in answer_lines(each, self.settings))

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from tachk.api.estimating import Estimable, answers_among, share_of_searches
+from tachk.api.running import Runnable
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.base.job import Progress, current_job, followed, limited, remembering_interruption
@@ -206,7 +207,7 @@ def random_network(seed: int = 0) -> Model:
 
 
 @dataclass(frozen=True, slots=True, init=False)
-class Model(Estimable):
+class Model(Estimable, Runnable):
     """An instantiated model with the properties it states.
 
     Attributes:
@@ -335,8 +336,8 @@ class Model(Estimable):
     @checked_arguments
     def time(
         self,
-        start: str | None,
-        end: str,
+        start: str | None = None,
+        end: str | None = None,
         last: bool = False,
         best: bool = True,
         worst: bool = True,
@@ -349,7 +350,7 @@ class Model(Estimable):
 
         Args:
             start, end: conditions that become true (``"P.location"``, ``"n == 3"``), channels (``"c[1]!"``) or signals;
-                None for the start of the run.
+                without ``start`` from the start of the run, such as ``time(end="P.location")``.
             last: from the last occurrence of the first event before the second one, not from the first.
             best, worst: what is measured.
             settled: conditions count only where no process is in a committed location.
@@ -357,13 +358,15 @@ class Model(Estimable):
 
         Raises:
             InputError: an event is wrong.
-            UsageError: an event is about a channel that an edge computes.
+            UsageError: there is no ``end``, or an event is about a channel that an edge computes.
             UnsupportedError: the model uses a feature that cannot be checked.
         """
         from tachk.frontend.queries.events import read_event
         from tachk.report.time_report import TimedInterval, TimesReport
         from tachk.verify.times import BEST, WORST, times_between
 
+        if end is None:
+            raise UsageError("there is no second event", "write time(start, end), or time(end=...) from the start on")
         network = self.network
         first = None if start is None else read_event(self.loaded, start, "--from", settled)
         second = read_event(self.loaded, end, "--to", settled)

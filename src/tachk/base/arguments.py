@@ -135,6 +135,7 @@ _CLASSES = {
     "Options": "`tachk.Options(...)`",
     "Grid": "a grid",
     "Fraction": "a fraction",
+    "PossibleStep": "one of the `choices`",
 }
 _WORDS = _CLASSES | {
     "None": "None",

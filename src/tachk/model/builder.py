@@ -142,9 +142,11 @@ class Term:
         return Term(Field(self.expression, name, dict(type_.fields)[name]))
 
     def implies(self, other: Operand) -> Term:
+        """The condition that the other one holds where this one does."""
         return self._with(BinaryOperator.IMPLY, other)
 
     def assign(self, value: Operand) -> Term:
+        """The update that gives this variable or clock a value."""
         return Term(Assign(self.expression, expression_of(value), self.expression.type))
 
     def __bool__(self) -> bool:
@@ -227,6 +229,7 @@ class _Declarations:
         return self._add(Variable(self.prefix + name, type_, self.kind, slots, declared_meta=meta))
 
     def clock(self, name: str, initial: int = 0) -> Term:
+        """A clock."""
         return self.declare(name, ClockType(), initial)
 
     def integer(self, name: str, low: int, high: int, initial: int | None = None, meta: bool = False) -> Term:
@@ -234,6 +237,7 @@ class _Declarations:
         return self.declare(name, integer_range(low, high, name), initial, meta)
 
     def boolean(self, name: str, initial: bool = False) -> Term:
+        """A variable that is true or false."""
         return self.declare(name, BoolType(), int(initial))
 
     def channel(

@@ -244,6 +244,15 @@ def _network_of(model: HasNetwork | str | os.PathLike[str]) -> Network:
     return simulated(loaded, getattr(model, "path", "")).network if isinstance(loaded, LoadedModel) else model.network
 
 
+def names_of_runs(model: HasNetwork | str | os.PathLike[str]) -> RunNames:
+    """The names in runs that the reference semantics executes. Raises UsageError, UnsupportedError."""
+    network = _network_of(model)
+    if network.has_hybrid_clocks and not isinstance(model, str | os.PathLike):
+        network = model.network  # which leaves out hybrid clocks: the semantics that judges runs has none
+    check_determined(network)
+    return RunNames(network)
+
+
 @checked_arguments
 def simulate(
     model: HasNetwork | str | os.PathLike[str],
@@ -302,11 +311,7 @@ def replay(
         InputError: a line of the file is not understood.
         UsageError: the file cannot be read, or holds no run.
     """
-    network = _network_of(model)
-    if network.has_hybrid_clocks and not isinstance(model, str | os.PathLike):
-        network = model.network  # which leaves out hybrid clocks: the semantics that judges runs has none
-    check_determined(network)
-    names = RunNames(network)
+    names = names_of_runs(model)
     replayed = replay_submitted(names, read_submitted(Path(run), property))
     rejection = None if replayed.refusal is None else rejection_diagnostic(replayed.refusal)
     return Replay(names, replayed.trace, rejection)
