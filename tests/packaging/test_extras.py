@@ -83,7 +83,7 @@ NEED_AN_EXTRA = {
     "plot": [
         ("plot", *VESSEL, "-o", "trace.svg"),
         ("sweep", "n.ta", "-D", "N=0..4", "--property", "reached", "--heat-map", "map.svg"),
-        ("synthesize", "n.ta", "E<> P.b", "--over", "N=0..4", "-o", "region.svg"),
+        ("synthesize", "n.ta", "E<> P.b", "--over", "N=0..4", "--plot", "region.svg"),
         ("estimate", "m.ta", "Pr[<=5](<> P.b)", "--plot", "estimate.svg"),
         ("draw", "m.ta", "-o", "m.png"),
         ("chart", CAPTURE, "-o", "chart.png"),

@@ -177,7 +177,10 @@ class Stepper:
     def _save(self, rest: str) -> Iterator[str]:
         if not rest:
             raise NotUnderstoodError("save needs the name of a file, such as my.run")
-        path = Path(rest)
+        yield from self.save(Path(rest))
+
+    def save(self, path: Path) -> Iterator[str]:
+        """Writes the run up to here; the line says where it is."""
         path = path if path.suffix else path.with_suffix(SUFFIX)
         text = run_text(self.session.names, self.session.trace, [f"a run of {self._model}"], self._constants)
         write_whole(path, text)

@@ -62,3 +62,14 @@ def test_export_overwrites_as_before(capsys: pytest.CaptureFixture[str]) -> None
 
 def test_old_names_are_no_names_of_commands() -> None:
     assert not {*FORMER_NAMES} & {*COMMANDS}
+
+
+def test_a_picture_of_a_region_by_o_has_a_note(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("n.ta").write_text("const int N = 1; process P() { init location a; } system P; property p : A[] N < 3;")
+    line = "synthesize n.ta --property p --over N=0..4"
+    status, out, _ = run(f"{line} --plot region.svg -o region.txt", capsys)
+    assert (status, out) == (0, "") and Path("region.svg").read_text().startswith("<?xml")
+    before = run(f"{line} -o old.svg", capsys)
+    assert before[2] == "note: `-o old.svg` is now `--plot old.svg`; -o is the file of the report\n"
+    assert before[1].replace("old.svg", "region.svg") == Path("region.txt").read_text()
+    assert Path("old.svg").read_text().startswith("<?xml")

@@ -42,7 +42,7 @@ def list_command() -> None:
 )
 @click.argument(
     "folder",
-    metavar="DIR",
+    metavar="[DIR]",
     type=options.type_of_file,
     default=Path(),
     help="The folder to copy to; by default the current one.",

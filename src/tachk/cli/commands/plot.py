@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     "--output",
     metavar="FILE",
     type=options.type_of_file,
-    required=True,
+    default=Path("plot.svg"),
+    show_default=True,
     help="An .svg, .png or .pdf file.",
 )
 @trace_options.columns

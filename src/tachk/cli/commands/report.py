@@ -44,7 +44,14 @@ if TYPE_CHECKING:
 @options.definitions
 @click.option("title", "--title", metavar="TEXT", help="The title; without it the name of the first file.")
 @click.option(
-    "output", "-o", "--output", metavar="FILE.html", type=options.type_of_file, required=True, help="The page."
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    default=Path("report.html"),
+    show_default=True,
+    help="The page.",
 )
 @options.max_states()
 @options.max_memory

@@ -34,6 +34,14 @@ if TYPE_CHECKING:
     type=options.type_of_file,
     help="Begin with a run that step or simulate has written, or with a report of tachk verify.",
 )
+@click.option(
+    "output",
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Write the run here when the session ends.",
+)
 @drawing.property_of_report
 @drawing.seed("The same seed gives the same random steps.")
 @options.max_seconds()
@@ -54,11 +62,16 @@ _PROMPT = "> "
 
 @dataclass(frozen=True, slots=True)
 class StepArguments:
-    """Arguments of `tachk step`."""
+    """Arguments of `tachk step`.
+
+    Attributes:
+        output: the file for the run at the end of the session.
+    """
 
     model: str
     definitions: tuple[str, ...] = ()
     load: Path | None = None
+    output: Path | None = None
     prop: str | None = None
     seed: int = DEFAULT_SEED
 
@@ -82,7 +95,12 @@ def run_step(arguments: StepArguments) -> ExitStatus:
         session, rejection = session.loaded(submitted)
         if rejection is not None:
             print_diagnostics([rejection_diagnostic(rejection)])
-    return _converse(Stepper(session, arguments.model, about.constants, arguments.seed), sys.stdin.isatty())
+    stepper = Stepper(session, arguments.model, about.constants, arguments.seed)
+    status = _converse(stepper, sys.stdin.isatty())
+    if arguments.output is not None:
+        for line in stepper.save(arguments.output):
+            print(line)
+    return status
 
 
 def _converse(stepper: Stepper, with_terminal: bool) -> ExitStatus:

@@ -50,6 +50,13 @@ if TYPE_CHECKING:
 )
 @options.report("text", "json", "csv")
 @click.option(
+    "picture",
+    "--plot",
+    metavar="FILE",
+    type=options.type_of_file,
+    help="Draw the region into this .svg, .png or .pdf file.",
+)
+@click.option(
     "certificates",
     "--certificates",
     metavar="FOLDER",
@@ -81,7 +88,6 @@ def command(**given: Any) -> None:
     \b
     tachk synthesize fischer.ta --property mutual_exclusion --over WRITE=1..20,WAIT=1..20
 
-    With -o and a name that ends in .png, .svg or .pdf, tachk draws the region into that file and prints the report.
     Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
     """
 
@@ -90,6 +96,7 @@ def command(**given: Any) -> None:
 
 
 _PICTURES = (".png", ".svg", ".pdf")
+"""Endings with which -o meant the picture in version 0.2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +107,7 @@ class SynthesizeArguments:
         over: the constants with their ranges.
         max_memory: such as ``2G``.
         certificates: the folder for the proofs of corners.
+        picture: the file for a picture of the region.
     """
 
     model: str
@@ -113,6 +121,7 @@ class SynthesizeArguments:
     infer: bool = True
     reuse: bool = True
     certificates: Path | None = None
+    picture: Path | None = None
 
 
 def run_synthesize(
@@ -130,7 +139,10 @@ def run_synthesize(
         raise UsageError(f"{min(twice)} is set by -D and by --over", "leave out one of them")
     if arguments.max_memory is not None:
         limits = replace(limits, memory_bytes=parse_size(arguments.max_memory))
-    picture = reporting.output if reporting.output and reporting.output.suffix.lower() in _PICTURES else None
+    picture = arguments.picture
+    if picture is None and reporting.output is not None and reporting.output.suffix.lower() in _PICTURES:
+        picture, reporting = reporting.output, replace(reporting, output=None)
+        print(f"note: `-o {picture}` is now `--plot {picture}`; -o is the file of the report", file=sys.stderr)
     if picture is not None:
         require("matplotlib")
     with limited(limits.seconds):
@@ -143,7 +155,7 @@ def run_synthesize(
     if arguments.certificates is not None:
         written = found.certificates(arguments.certificates)
         print(f"{arguments.certificates}: {len(written)} proof{'s' * (len(written) != 1)}", file=sys.stderr)
-    with destination(None if picture else reporting.output, reporting.quiet) as out:
+    with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             out.write(_report(found, arguments, reporting.form, picture))
     return _status(found.region)

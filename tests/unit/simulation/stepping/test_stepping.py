@@ -207,6 +207,12 @@ def test_commands_from_a_pipe(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "p1: false" in capsys.readouterr().out
 
 
+def test_the_run_is_written_when_the_session_ends(tmp_path: Path) -> None:
+    out, _, status = _step(tmp_path, "1\nu\nq\n", "-o", "end")
+    assert (status, (tmp_path / "end.run").read_text()) == (0, "# a run of lamp.ta\n")
+    assert out.endswith("saved 0 steps to end.run; to show them: tachk replay lamp.ta end.run\n")
+
+
 def test_a_script_ends_at_the_first_line_that_cannot_be_taken(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
