@@ -11,7 +11,7 @@ import tachk
 from tachk.base import resources
 
 CHECKOUT = Path(__file__).parents[2]
-DATA_FOLDERS = ("grammar", "templates", "models", "queries", "docs/schema")
+DATA_FOLDERS = ("grammar", "templates", "models", "queries", "docs/schema", "docs/skills")
 DATA_SUFFIXES = {".lark", ".j2", ".css", ".js", ".ta", ".xta", ".xml", ".q", ".stl", ".md", ".json"}
 LIBRARIES = (".so", ".dylib", ".pyd")
 PACKAGE = Path(tachk.__file__).parent

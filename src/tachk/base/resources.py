@@ -1,4 +1,4 @@
-"""The one place that finds the data files: grammar/, templates/, models/, queries/, docs/schema/.
+"""The one place that finds the data files: grammar/, templates/, models/, queries/, docs/schema/, docs/skills/.
 
 In a checkout they lie beside ``src/``; in an installed wheel in ``tachk/_data``.
 """

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.commands.models import run_copy, run_list
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.main import app
 
 
 def test_systems_are_listed_and_parts_are_not(capsys: pytest.CaptureFixture[str]) -> None:
@@ -44,3 +46,17 @@ def test_a_misspelt_model_is_guessed() -> None:
     with pytest.raises(UsageError) as caught:
         run_copy("fisher", Path())
     assert caught.value.help == "did you mean fischer?"
+
+
+def test_the_skill_for_agents_is_copied(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["mcp", "--copy-skill", str(tmp_path)]
+    assert app.main(line, standalone_mode=False) == 0
+    skill = tmp_path / "tachk/SKILL.md"
+    assert skill.read_text(encoding="utf-8").startswith("---\nname: tachk\n")
+    pages = list((tmp_path / "tachk").rglob("*.md"))
+    linked = [page.parent / name for page in pages for name in re.findall(r"\]\(([\w/.]+)\)", page.read_text("utf-8"))]
+    assert len(linked) >= 3 and all(path.is_file() for path in linked)
+    assert app.main(line, standalone_mode=False) == 0
+    skill.write_text("mine")
+    assert app.main(line, standalone_mode=False) == 2
+    assert f"{skill} is there and different" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -35,16 +36,41 @@ _BYTES_IN_A_MEGABYTE = 1 << 20
     help="The most states that a call can ask to store in a search (default 20000000; a call that names none has "
     "1000000).",
 )
-def command(**given: Any) -> None:
+@click.option(
+    "skill",
+    "--copy-skill",
+    metavar="DIR",
+    type=options.type_of_file,
+    help="Copy instructions for agents into DIR/tachk, and end: how to model, how to read a counterexample, how to "
+    "diagnose a capture. DIR is where your agent looks for skills.",
+)
+def command(skill: Path | None, **given: Any) -> None:
     """Offer check, verify, explain, simulate, step, monitor and conform to an agent, by MCP on standard input and
     output.
 
-    An MCP client starts this command; docs/agents.md says how. Needs: pip install "tachk[mcp]".
+    An MCP client starts this command; its settings need an entry such as
 
-    Exit status: 0 when standard input ends, 3 where the package mcp is not installed.
+    \b
+    "tachk": {"command": "tachk", "args": ["mcp"]}
+
+    Needs: pip install "tachk[mcp]".
+
+    Exit status: 0 when standard input ends or the skill is copied, 3 where the package mcp is not installed.
     """
 
-    options.finish(lambda: run_mcp(**given))
+    options.finish(lambda: run_mcp(**given) if skill is None else run_copy_skill(skill))
+
+
+def run_copy_skill(folder: Path) -> ExitStatus:
+    """Copies the skill for agents. Raises UsageError where a file that is different would be lost."""
+    from tachk.base.resources import data_root
+    from tachk.cli.copying import copy_files
+
+    skill = data_root() / "docs/skills/tachk"
+    files = (path for path in sorted(skill.rglob("*")) if path.is_file())
+    targets = {path: folder / skill.name / path.relative_to(skill) for path in files}
+    copy_files(targets, False, "remove it, or name another folder")
+    return ExitStatus.AS_EXPECTED
 
 
 def run_mcp(seconds: float | None, max_memory: str | None, states: int | None) -> ExitStatus:

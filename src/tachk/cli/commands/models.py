@@ -12,8 +12,8 @@ import click
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
 from tachk.base.resources import data_root
-from tachk.base.whole_files import write_whole
 from tachk.cli import options
+from tachk.cli.copying import copy_files
 from tachk.cli.exit_status import ExitStatus
 from tachk.syntax.source_files import read_source
 
@@ -76,13 +76,7 @@ def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
     files = [*dict.fromkeys(_with_imports(_named(name)))]
     common = Path(os.path.commonpath([path.parent for path in files]))
     targets = {path: folder / path.relative_to(common) for path in files}
-    for path, target in targets.items():
-        if not force and target.exists() and target.read_bytes() != path.read_bytes():
-            raise UsageError(f"{target} is there and different", "name another folder, or add --force to overwrite it")
-    for path, target in targets.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(target, path.read_bytes())
-        print(f"written: {target}")
+    copy_files(targets, force, "name another folder, or add --force to overwrite it")
     return ExitStatus.AS_EXPECTED
 
 
