@@ -51,7 +51,7 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
     except BrokenPipeError:
         return ExitStatus.PIPE_CLOSED
     except OSError as error:
-        complain(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        complain(f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error))
         return ExitStatus.BAD_INPUT
     except StoppedError as error:
         complain(f"{subject}: {without_result(error)}" if subject else without_result(error))

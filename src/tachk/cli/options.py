@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from enum import StrEnum
@@ -11,12 +12,20 @@ from typing import Any, TypeVar
 
 import click
 
+from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import is_interrupted, limited, remembering_interruption
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded
 
 type_of_file = click.Path(path_type=Path)
-"""A file to read or write. The command checks if it exists, as only the command knows if it must."""
+"""A file to read. The command checks if it exists, as only the command knows if it must."""
+
+
+class WrittenFile(click.Path):
+    """A file that a command writes: none that it reads, and each option another one."""
+
+
+written_file = WrittenFile(path_type=Path)
 
 Decorated = Callable[..., Any]
 
@@ -65,11 +74,35 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
     """
 
     def within_limit() -> ExitStatus:
+        _check_written_files(click.get_current_context())
         with remembering_interruption(), limited(seconds):
             status = action()
             return worst((status, ExitStatus.INTERRUPTED)) if is_interrupted() else status
 
     click.get_current_context().exit(guarded(within_limit))
+
+
+def _check_written_files(context: click.Context) -> None:
+    """Raises UsageError for a file that the command would write and also reads, or would write twice."""
+    read, written = list[str](), list[tuple[str, str]]()
+    for parameter in context.command.params:
+        value = context.params.get(parameter.name or "")
+        values = value if isinstance(value, tuple) else (value,)
+        paths = [os.fspath(each) for each in values if isinstance(each, str | os.PathLike)]
+        if isinstance(parameter.type, WrittenFile):
+            written += ((parameter.opts[0], path) for path in paths)
+        elif isinstance(parameter, click.Argument) or isinstance(parameter.type, click.Path):
+            read += paths
+    files = {os.path.realpath(path) for path in read if os.path.isfile(path)}
+    for option, path in written:
+        target = os.path.realpath(path)
+        if target in files:
+            raise UsageError(
+                f"{option} {path}: the command would overwrite a file that it reads, or write a file twice",
+                "give another name",
+            )
+        if os.path.isfile(path) or not os.path.exists(path):  # neither a folder nor a device nor a pipe
+            files.add(target)
 
 
 class FiniteNumber(click.types.FloatParamType):
@@ -167,7 +200,7 @@ def report(*forms: str) -> Callable[[Decorated], Decorated]:
             function
         )
         function = click.option(
-            "output", "-o", "--output", metavar="FILE", type=type_of_file, help="Write the report to a file."
+            "output", "-o", "--output", metavar="FILE", type=written_file, help="Write the report to a file."
         )(function)
         return click.option(
             "form",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     default=Path("chart.svg"),
     show_default=True,
     help="An .svg or .png file.",

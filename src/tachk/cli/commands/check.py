@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     show_default=True,
     help="Form of the report: text for people, json for programs, sarif for code scanning, github for annotations.",
 )
-@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.written_file, help="Write the report to a file.")
 @click.option(
-    "--sarif", metavar="FILE", type=options.type_of_file, help="Also write the findings as SARIF, for code hosts."
+    "--sarif", metavar="FILE", type=options.written_file, help="Also write the findings as SARIF, for code hosts."
 )
 @click.option(
     "deep",

@@ -20,7 +20,7 @@ from tachk.report.drawing.png import to_png
     "-o",
     "--output",
     metavar="DIR|FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     default=Path(),
     show_default=True,
     help="The folder for one .svg file per template, or one .svg or .png file for all.",

@@ -67,7 +67,7 @@ def _share(name: str, letter: str, default: float, help: str) -> Callable[[optio
     "picture",
     "--plot",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Draw when goals are reached, how means are spread, and trajectories into this .svg, .png or .pdf file.",
 )
 @options.report("text", "json")

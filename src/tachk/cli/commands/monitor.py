@@ -79,7 +79,7 @@ def _reader() -> Callable[[int], bytes | None]:
 @click.option(
     "--signals",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write the truth and the robustness of each formula over time, as comma-separated values.",
 )
 @click.option(

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     default=Path("plot.svg"),
     show_default=True,
     help="An .svg, .png or .pdf file.",

@@ -44,7 +44,7 @@ from tachk.report.run.display import RunDisplay
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write the signals of the run: .csv, .jsonl, .parquet, .vcd; or the run itself: .run.",
 )
 @options.max_seconds()

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     default=Path("report.html"),
     show_default=True,
     help="The page.",

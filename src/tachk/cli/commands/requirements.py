@@ -118,7 +118,7 @@ def to_json(analysis: RequirementAnalysis, named: tuple[NamedFormula, ...], unit
     show_default=True,
     help="Form of the report.",
 )
-@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.written_file, help="Write the report to a file.")
 @trace_options.definitions
 @options.max_seconds("Stop each search after this time; its question then has no answer.")
 def command(file: str, form: str, output: Path | None, seconds: float | None, definitions: tuple[str, ...]) -> None:

@@ -117,7 +117,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write the runs: .csv, .jsonl, .parquet, .vcd, or their steps: .run; {run} in its name makes a file for each.",
 )
 @click.option(

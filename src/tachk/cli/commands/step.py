@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write the run here when the session ends.",
 )
 @drawing.property_of_report

@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     "picture",
     "--heat-map",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Draw a map of the values into this .svg, .png or .pdf file.",
 )
 @click.option(

@@ -53,14 +53,14 @@ if TYPE_CHECKING:
     "picture",
     "--plot",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Draw the region into this .svg, .png or .pdf file.",
 )
 @click.option(
     "certificates",
     "--certificates",
     metavar="FOLDER",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write a proof for each corner at which something is never reached into this folder. `tachk certify` checks "
     "them without a search.",
 )

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Form of the report.",
 )
-@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.written_file, help="Write the report to a file.")
 @options.max_states()
 @options.max_seconds()
 def command(

@@ -105,15 +105,15 @@ _SECTIONS = {
     "several searches. slowest: the run that was found, as late as it can be.",
 )
 @options.report(*RUN_FORMATS)
-@click.option("--junit", metavar="FILE", type=options.type_of_file, help="Also write the answers as JUnit XML, for CI.")
+@click.option("--junit", metavar="FILE", type=options.written_file, help="Also write the answers as JUnit XML, for CI.")
 @click.option(
-    "--sarif", metavar="FILE", type=options.type_of_file, help="Also write unexpected answers as SARIF, for code hosts."
+    "--sarif", metavar="FILE", type=options.written_file, help="Also write unexpected answers as SARIF, for code hosts."
 )
 @click.option(
     "certificate",
     "--certificate",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write proofs to this file, one for each answer that no run can show. `tachk certify` checks them without a "
     "search.",
 )
@@ -121,7 +121,7 @@ _SECTIONS = {
     "munta",
     "--munta",
     metavar="FOLDER",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write a model and a proof into this folder for each A[] that holds and each E<> that fails, for Munta, whose "
     "checker is verified. Needs the package tachk-munta.",
 )
@@ -129,7 +129,7 @@ _SECTIONS = {
     "chart",
     "--chart",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Draw a run as a sequence chart into this .svg or .png file: that of the first unexpected answer that has "
     "one, or else of the first answer.",
 )

@@ -53,7 +53,7 @@ from tachk.xrce.bridge.clock import WallClock
     show_default=True,
     help="Of a client: NAME__t, NAME__dw and NAME__dr are the Agent's references for topic, writer and reader.",
 )
-@click.option("record", "--record", metavar="FILE", type=options.type_of_file, help="Write the packets to a capture.")
+@click.option("record", "--record", metavar="FILE", type=options.written_file, help="Write the packets to a capture.")
 def command(**given: Any) -> None:
     """Run processes of a model as a client or an Agent in a real session of DDS-XRCE, over UDP.
 

@@ -35,10 +35,10 @@ from tachk.cli.exit_status import ExitStatus
     "signals",
     "--signals",
     metavar="FILE",
-    type=options.type_of_file,
+    type=options.written_file,
     help="Write what each stream has sent, acknowledged and lost over time to a .csv or .parquet file; print no lines.",
 )
-@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the lines to a file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.written_file, help="Write the lines to a file.")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Print the DDS-XRCE messages in a capture, a line for each submessage.

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     help="Form of the report; settings: a line of -D options for tachk verify, or for tachk conform if the model has a "
     "`recording`.",
 )
-@click.option("output", "-o", "--output", metavar="FILE", type=options.type_of_file, help="Write the report to a file.")
+@click.option("output", "-o", "--output", metavar="FILE", type=options.written_file, help="Write the report to a file.")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
     """Measure the parameters of a DDS-XRCE system in captures of it.

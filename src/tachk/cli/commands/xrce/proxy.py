@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Seed of the rules for a share of packets.",
 )
-@click.option("record", "--record", metavar="FILE", type=options.type_of_file, help="Write both sides to a capture.")
+@click.option("record", "--record", metavar="FILE", type=options.written_file, help="Write both sides to a capture.")
 @click.option(
     "idle",
     "--idle",
