@@ -1,7 +1,7 @@
 """Makes the pictures of the README, each for light and for dark screens: `python docs/images/make.py`.
 
-They show the model `gate.ta` that stands in the README. A test checks that the drawn ones are up to date. The report is
-photographed by Chromium, where that is installed.
+They show the model `gate.ta` that stands in the README. The page about sequence charts has one of a capture, too. A
+test checks that the drawn ones are up to date. The report is photographed by Chromium, where that is installed.
 """
 
 from __future__ import annotations
@@ -19,9 +19,12 @@ from tachk.report.drawing.sequence.sequence_svg import draw_chart
 from tachk.report.json_report import run_to_json
 from tachk.report.sequence.of_run import chart_of_run
 from tachk.report.sequence.run_steps import steps_of_result
+from tachk.xrce.report.sequence_chart import chart_of_capture
+from tachk.xrce.transmissions import read_transmissions
 
 FOLDER = Path(__file__).resolve().parent
 README = FOLDER.parents[1] / "README.md"
+CAPTURE = FOLDER.parents[1] / "tests/data/captures/starved_heartbeat.pcap"
 MODEL = "gate.ta"
 
 WIDTH, HEIGHT = 900, 1040
@@ -56,13 +59,20 @@ def chart() -> str:
     return draw_chart(lay_out(chart_of_run(steps_of_result(run, run["results"][0])))).svg
 
 
+def chart_of_a_capture() -> str:
+    """A lost message that no HEARTBEAT names for a long time. Its file is dark where the reader prefers that."""
+    recording = read_transmissions(CAPTURE, ())
+    return draw_chart(lay_out(chart_of_capture(recording, CAPTURE.name))).svg
+
+
 def drawn() -> dict[str, str]:
     """The texts of the SVG files by their names."""
-    return {
+    of_the_readme = {
         f"{name}_{theme}.svg": text
         for name, svg in (("gate_automaton", automaton()), ("gate_run", chart()))
         for theme, text in themes(svg).items()
     }
+    return {**of_the_readme, "../charts.svg": chart_of_a_capture()}
 
 
 def photograph(chromium: str) -> None:
