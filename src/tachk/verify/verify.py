@@ -9,6 +9,7 @@ from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.job import (
+    Job,
     StoppedError,
     current_job,
     is_interrupted,
@@ -89,11 +90,11 @@ def _verified(
         return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
     answer = partial(_answer, model, options, trace)
     verdicts |= in_order(searches, answer, Shares(limits, len(tasks)), processes(options))
-    left = replace(limits, seconds=current_job().seconds_left)
-    with unhurried():  # no decided verdict is lost to the limit; the searches for notes have the limits that are left
+    job = current_job()
+    with unhurried():  # no decided verdict is lost to the limit; the searches for notes share the time that is left
         found = [with_blame(verdicts[number]) for number in range(len(queries))]
         try:
-            found = [*_with_momentary_triggers(network, found, left)]
+            found = [*_with_momentary_triggers(network, found, limits, job)]
         except KeyboardInterrupt:
             note_interruption()
         return tuple(map(_with_note, _examined(network, found)))
@@ -107,17 +108,18 @@ def _with_note(verdict: Verdict) -> Verdict:
     return verdict.noted("--non-zeno makes no difference here: every state counts that some run reaches")
 
 
-def _with_momentary_triggers(network: Network, found: Sequence[Verdict], left: Limits) -> Sequence[Verdict]:
-    """The verdicts with notes about what is true for no time, of which only observers may speak."""
+def _with_momentary_triggers(network: Network, found: Sequence[Verdict], limits: Limits, job: Job) -> Sequence[Verdict]:
+    """The verdicts with notes about what is true for no time, of which only observers may speak. Searches for them have
+    the time that the job has left."""
     if all(verdict.query.observer is None for verdict in found):
         return found
     from tachk.verify.momentary import with_momentary_triggers
 
-    return with_momentary_triggers(network, found, left, _decided_plainly)
+    return with_momentary_triggers(network, found, limits, partial(_decided_plainly, job))
 
 
-def _decided_plainly(network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:
-    return verify(network, queries, Options(processes=1), limits, trace=False)
+def _decided_plainly(job: Job, network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:
+    return verify(network, queries, Options(processes=1), replace(limits, seconds=job.seconds_left), trace=False)
 
 
 def _check_answerable(network: Network, query: Query, options: Options) -> None:

@@ -22,6 +22,7 @@ import tachk
 from tachk.api.tools.catalogue import TOOLS, call
 from tachk.api.tools.instructions import EXAMPLE
 from tachk.api.tools.limits import DEFAULT_CEILINGS, ToolLimits
+from tachk.base.job import limited
 from tachk.base.optional_packages import MissingPackageError
 
 ROOT = Path(__file__).parents[3]
@@ -224,7 +225,7 @@ def test_an_answer_stays_where_no_time_is_left_for_its_evidence(monkeypatch: pyt
     found = call("verify", {"model": FISCHER, "constants": {"N": 2, "WAIT": 9}}, DEFAULT_CEILINGS).structured
     assert found is not None
     assert set(answers(dict(found)).values()) == {"holds", "fails"}
-    assert {(kind, checked) for _, kind, checked in evidence(dict(found))} == {("run", True), ("none", False)}
+    assert {(kind, checked) for _, kind, checked in evidence(dict(found))} == {("run", False), ("none", False)}
     assert all("time limit" in each["how"] for each in found["evidence"] if not each["checked"])
 
 
@@ -276,3 +277,10 @@ def test_without_the_package_the_command_names_it(
     with pytest.raises(MissingPackageError) as error:
         run_mcp(None, None, None)
     assert error.value.help == 'pip install "tachk[mcp]"'
+
+
+def test_searches_leave_time_to_judge_what_they_find() -> None:
+    limits = ToolLimits(seconds=100, megabytes=1000, states=10)
+    assert limits.before_evidence().seconds == 95
+    with limited(5):
+        assert 3.9 < (limits.before_evidence().seconds or 0) <= 4

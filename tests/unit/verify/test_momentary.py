@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from random import Random
 
 import pytest
 
 import tachk
+from tachk.base.job import Job
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits
 from tachk.engine.outcome import Statistics
@@ -219,7 +221,9 @@ def test_on_random_networks_it_is_what_the_definition_says() -> None:
         ends = momentary._ends_by_channel(case.network)
         conditions = {momentary._MomentaryCondition("it", True): condition}
         watched, goals = momentary._watched(case.network, stopped, ends, conditions)
-        (answer,) = momentary._reached(watched, goals, tachk.Limits(states=5000), _decided_plainly).values()
+        (answer,) = momentary._reached(
+            watched, goals, tachk.Limits(states=5000), partial(_decided_plainly, Job())
+        ).values()
         expected = visited(case.network, condition)
         if expected is not None and answer.answer is not tachk.Answer.UNKNOWN:
             assert (answer.answer is tachk.Answer.HOLDS) == expected, f"seed {seed}"
@@ -260,7 +264,7 @@ def test_on_random_networks_runs_end_where_the_definition_says() -> None:
         condition = LocationTest(0, number)
         ends = momentary._some_stops_time(case.network, momentary._perhaps_last_places(case.network))
         goal = Constant(0, BOOL) if ends is None else both(both(ends, condition), Deadlock())
-        (verdict,) = _decided_plainly(case.network, [Query("it", QueryKind.POSSIBLY, goal)], Limits(states=5000))
+        (verdict,) = _decided_plainly(Job(), case.network, [Query("it", QueryKind.POSSIBLY, goal)], Limits(states=5000))
         expected = ended_with(case.network, condition)
         if expected is not None and verdict.answer is not Answer.UNKNOWN:
             assert (verdict.answer is Answer.HOLDS) == expected, f"seed {seed}"
@@ -354,10 +358,32 @@ def test_on_random_networks_runs_go_on_where_the_definition_says() -> None:
         if stopped is None:
             continue
         query = momentary._left_again(0, stopped, condition)
-        (verdict,) = _decided_plainly(case.network, [query], Limits(states=5000))
+        (verdict,) = _decided_plainly(Job(), case.network, [query], Limits(states=5000))
         expected = met_for_ever(case.network, condition)
         if expected is not None and verdict.answer is not Answer.UNKNOWN:
             assert (verdict.answer is Answer.FAILS) == expected, f"seed {seed}"
             assert momentary._may_go_on(case.network) or not expected, f"seed {seed}"
             found[expected] += 1
     assert enough(found[True] > 3 and found[False] > 10), found
+
+
+def test_searches_for_notes_share_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    answers: list[str] = []
+
+    def noting(
+        network: Network, verdicts: Sequence[Verdict], limits: Limits, decide: momentary.Deciding
+    ) -> Sequence[Verdict]:
+        nonlocal now
+        query = Query("it", QueryKind.POSSIBLY, Constant(1, BOOL))
+        for moment in (6.0, 11.0):  # the second search begins when the ten seconds are over
+            now = moment
+            answers.extend(found.answer.value for found in decide(network, [query], limits))
+        return verdicts
+
+    monkeypatch.setattr("tachk.base.job.monotonic", lambda: now)
+    monkeypatch.setattr(momentary, "with_momentary_triggers", noting)
+    model = tachk.loads("process P() { init location a; } system P;")
+    report = model.verify("G (P.a -> F[0, 2] P.a)", limits=Limits(seconds=10))
+    assert report[0].answer is Answer.HOLDS
+    assert answers == ["holds", "unknown"]

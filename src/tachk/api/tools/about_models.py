@@ -15,7 +15,7 @@ from tachk.api.tools.limits import GRACE, ToolLimits
 from tachk.base.diagnostics.diagnostic import InputError, Severity
 from tachk.base.diagnostics.explanation import CODE, all_explanations, message_text
 from tachk.base.diagnostics.render import render
-from tachk.base.job import current_job, unhurried
+from tachk.base.job import unhurried
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.report.check_report import Checked, checks_to_json
 from tachk.report.deep_report import print_deep_check
@@ -34,7 +34,7 @@ def check(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
     deep = ""
     if arguments.get("deep", False) and model is not None:
         try:
-            result = model.check(limits.of_search())
+            result = model.check(limits.before_evidence())
         except InputError as error:
             found = replace(found, findings=(*error.diagnostics, *found.findings), size=None)
         else:
@@ -79,15 +79,9 @@ def verify(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
     report = model.verify(
         *arguments.get("queries", ()),
         property=tuple(arguments.get("properties", ())),
-        limits=limits.of_search(),
+        limits=limits.before_evidence(),
     )
-    evidence = list(
-        evidence_of(
-            report.record,
-            arguments.get("certificates", "auto"),
-            replace(limits.of_search(), seconds=current_job().seconds_left),
-        )
-    )
+    evidence = list(evidence_of(report.record, arguments.get("certificates", "auto"), limits.of_search()))
     with unhurried(GRACE):
         left_out, record = _without_long_runs(report.record, shown)
         warnings = [render(each) for each in (*model.refusals, *model.warnings)]

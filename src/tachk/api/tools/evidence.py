@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from io import BytesIO
 
 from tachk.api.tools.answer import Evidence, EvidenceKind
-from tachk.api.tools.limits import GRACE
-from tachk.base.job import StoppedError, unhurried
+from tachk.base.job import StoppedError, current_job
 from tachk.engine.options import Limits, Options
 from tachk.formats.network_json.digest import digest
 from tachk.meaning.discrete import prepare
@@ -31,18 +31,27 @@ def evidence_of(record: RunRecord, certificates: str, limits: Limits) -> Iterato
 
     Args:
         certificates: ``always``, ``never``, or ``auto``: where the search was small.
+        limits: of searches for certificates; the seconds are those of the job. Without time an answer is not judged.
     """
-    for verdict in record.verdicts:
-        if verdict.answer is Answer.UNKNOWN:
-            continue
-        if verdict.trace is not None:
-            yield _of_run(record.network, verdict, verdict.trace)
-        elif is_provable(verdict):
-            yield _of_proof(record.network, verdict, certificates, limits)
-        else:
-            yield from _of_values(record.network, verdict)
+    answers = [verdict for verdict in record.verdicts if verdict.answer is not Answer.UNKNOWN]
+    # Runs first: they take no time, and a certificate may take all there is.
+    in_order = sorted(answers, key=is_provable)
+    shown = {
+        verdict.query.name: list(_of_answer(record.network, verdict, certificates, limits)) for verdict in in_order
+    }
+    for verdict in answers:
+        yield from shown[verdict.query.name]
     for found in record.estimates:
         yield Evidence(found.query.name, EvidenceKind.SAMPLES, False, "an estimate from random runs, not a proof")
+
+
+def _of_answer(network: Network, verdict: Verdict, certificates: str, limits: Limits) -> Iterator[Evidence]:
+    if verdict.trace is not None:
+        yield _of_run(network, verdict, verdict.trace)
+    elif is_provable(verdict):
+        yield _of_proof(network, verdict, certificates, limits)
+    else:
+        yield from _of_values(network, verdict)
 
 
 def _of_values(network: Network, verdict: Verdict) -> Iterator[Evidence]:
@@ -58,7 +67,6 @@ def _of_values(network: Network, verdict: Verdict) -> Iterator[Evidence]:
         yield Evidence(name, EvidenceKind.RUN, False, how)
 
 
-@unhurried(GRACE)
 def replayed(network: Network, about: str, run: TimedTrace) -> Evidence:
     """The evidence of a run that the reference semantics executes once more."""
     try:
@@ -71,7 +79,6 @@ def replayed(network: Network, about: str, run: TimedTrace) -> Evidence:
     return Evidence(about, EvidenceKind.RUN, True, f"all {steps} replayed by the reference semantics")
 
 
-@unhurried(GRACE)
 def _of_run(network: Network, verdict: Verdict, run: TimedTrace) -> Evidence:
     """A finite run against a condition ends where the condition says; of other runs the steps are replayed."""
     query = verdict.query
@@ -95,7 +102,8 @@ def _of_proof(network: Network, verdict: Verdict, certificates: str, limits: Lim
         how = f"the search stored {states:,} states; certificates='always' makes and checks a certificate"
         return Evidence(name, EvidenceKind.NONE, False, how)
     try:
-        proof = find_proof(network, digest(network), verdict.query, Options(), limits)
+        left = replace(limits, seconds=current_job().seconds_left)
+        proof = find_proof(network, digest(network), verdict.query, Options(), left)
         if isinstance(proof, str):
             return Evidence(name, EvidenceKind.NONE, False, f"no certificate: {proof}")
         return _of_certificate(network, verdict, proof)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
-from tachk.base.job import limited
+from tachk.base.job import current_job, limited
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 
@@ -44,6 +45,13 @@ class ToolLimits:
     def of_search(self) -> Limits:
         """The same for searches; the seconds are those of the job."""
         return Limits(states=self.states, seconds=self.seconds, memory_bytes=self.megabytes * _MEGABYTE)
+
+    def before_evidence(self) -> Limits:
+        """The limits of searches whose answers are judged in the same call: a fifth of the time that the job has left,
+        at most `GRACE` seconds, is kept for that."""
+        left = current_job().seconds_left
+        seconds = self.seconds if left is None else left
+        return replace(self.of_search(), seconds=seconds - min(seconds / 5, GRACE))
 
     @contextmanager
     def in_force(self) -> Iterator[None]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, ClockValues, Constraint
 from tachk.meaning.judge.certificate import Numbers
@@ -142,6 +143,7 @@ class Pieces:
 
     def become(self, change: Change, matrices: Numbers | Truths, number: Numbers | int = 0) -> Pieces:
         """The result of a change of each, with the matrix of that number; equal pairs are computed once."""
+        check_job()
         keys, inverse = np.unique(self.zone * len(matrices) + number, return_inverse=True)
         origin, table = change(self.table[keys // max(len(matrices), 1)], matrices[keys % max(len(matrices), 1)])
         made = Pieces(table, np.arange(len(table)), origin, origin)
@@ -190,6 +192,7 @@ class Pieces:
         of pieces, of which some are compared with another zone each."""
         left, done, number = self, [self.take(slice(0))], 0
         while len(left.row):
+            check_job()
             other = np.searchsorted(others.row, left.row) + number
             some = other < np.searchsorted(others.row, left.row, "right")
             done.append(left.take(~some))
