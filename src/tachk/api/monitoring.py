@@ -120,6 +120,9 @@ class MonitorReport(Sequence[MonitorVerdict]):
             raise unknown_key(index, (verdict.name for verdict in self.record.verdicts))
         return self.record.verdicts[index]
 
+    def __bool__(self) -> bool:
+        raise TypeError("verdicts have three values: compare `report.truth` with Truth.TRUE, FALSE or UNDETERMINED")
+
     def __len__(self) -> int:
         return len(self.record.verdicts)
 

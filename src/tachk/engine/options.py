@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from enum import StrEnum
 
@@ -139,7 +140,10 @@ class Options:
             states: a state is dropped for a larger one only if that is not further from the initial state.
         pace: which run to a state that was found is shown; FASTEST takes further searches.
 
-    Raises UsageError for a number out of its range and for `shortest` with another order than BFS.
+    Where an enumeration is expected, the value of a member will do: ``Options(engine="smt")``.
+
+    Raises UsageError for a number out of its range, for a text that is no member, and for `shortest` with another order
+    than BFS.
     """
 
     order: SearchOrder = SearchOrder.AUTO
@@ -182,6 +186,10 @@ class Options:
         return replace(self, without=self.without - set(names))
 
     def __post_init__(self) -> None:
+        for name, kind in _KINDS.items():
+            object.__setattr__(self, name, _member(name, kind, getattr(self, name)))
+        switched_off = [self.without] if isinstance(self.without, str) else self.without
+        object.__setattr__(self, "without", frozenset(switched_off))
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
         _check_range("rows_after", self.rows_after, 0, 2**32 - 1)
@@ -195,6 +203,24 @@ class Options:
                 f"a shortest path needs the search order bfs, not {self.order.value}",
                 "breadth-first search is what makes the first path that is found a shortest one",
             )
+
+
+_KINDS: Mapping[str, type[StrEnum]] = {
+    "order": SearchOrder,
+    "extrapolation": Extrapolation,
+    "bounds": BoundScope,
+    "local_times": LocalTimes,
+    "engine": Engine,
+    "pace": Pace,
+}
+
+
+def _member(name: str, kind: type[StrEnum], value: object) -> StrEnum:
+    """The member that a value is or names. Raises UsageError."""
+    for member in kind:
+        if value == member:
+            return member
+    raise UsageError(f"`{name}` is {value!r}, but it must be one of {', '.join(kind)}")
 
 
 @dataclass(frozen=True, slots=True)

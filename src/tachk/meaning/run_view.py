@@ -45,6 +45,10 @@ class Snapshot:
     clocks: tuple[tuple[str, Fraction], ...] | None = None
     time: Fraction | None = None
 
+    def __repr__(self) -> str:
+        places = ", ".join(f"{process}.{location}" for process, location in self.locations)
+        return f"<State {places}>" if self.time is None else f"<State at {self.time}: {places}>"
+
 
 @dataclass(frozen=True, slots=True)
 class ProcessMove:
@@ -100,6 +104,10 @@ class ViewStep:
     delay: Fraction | None
     event: TransitionView | None
     state: Snapshot
+
+    def __repr__(self) -> str:
+        delay = "" if self.delay is None else f" after {self.delay}"
+        return f"<Step{delay}: {'time passes' if self.event is None else self.event}>"
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,6 +43,9 @@ class Report(Sequence[Verdict]):
             raise unknown_key(index, (verdict.query.name for verdict in self.record.verdicts))
         return self.record.verdicts[index]
 
+    def __bool__(self) -> bool:
+        raise TypeError("a report has several answers: ask `report.met`, or the answer of one, report['name'].answer")
+
     def __len__(self) -> int:
         return len(self.record.verdicts)
 

@@ -37,7 +37,7 @@ class Questions:
 
         Raises:
             InputError: one that was typed or named is wrong.
-            UsageError: there is no property of that name.
+            UsageError: there is no property of that name, or no query in what was typed.
         """
         chosen = self._chosen(model)
         if not self.non_zeno:
@@ -56,6 +56,8 @@ class Questions:
         diagnostics: list[Diagnostic] = []
         for source, typed in [(file, False) for file in self.files] + [(source, True) for source in self.typed]:
             found, others = elaborate_query_file(model, source, len(formulas) + 1)
+            if typed and not found and not others:
+                raise UsageError(f"{source.text!r} is not a query", "such as 'E<> P.location' or 'A[] not deadlock'")
             formulas += sorted((*found, *others), key=lambda formula: formula.span.start)
             if typed:
                 diagnostics += (finding for query in others if query.is_wrong for finding in query.diagnostics)

@@ -119,6 +119,11 @@ class Verdict:
     strategy: str = ""
 
     @property
+    def name(self) -> str:
+        """The name of the query: that of the property, else ``q1``, ``q2``, ..."""
+        return self.query.name
+
+    @property
     def in_words(self) -> str:
         """The answer in a word, or the values where these are the answer: ``holds``, ``P.x ≤ 2``; with the reason."""
         values = [words for each in self.extremes for words in each.in_words()]

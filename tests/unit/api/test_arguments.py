@@ -56,6 +56,10 @@ TACHK: Any = tachk
             "`begin` is nan, but it must",
         ),
         (lambda: TACHK.Options(processes="x"), "`processes` is 'x', but it must be a whole number"),
+        (lambda: TACHK.Options(engine="x"), "`engine` is 'x', but it must be one of zone, smt, both"),
+        (lambda: TACHK.Options(order=3), "`order` is 3, but it must be one of auto, bfs"),
+        (lambda: ASK.verify(""), "'' is not a query"),
+        (lambda: ASK.verify("E<> P.B", "// nothing"), "'// nothing' is not a query"),
         (lambda: TACHK.load(3), "`path` is 3, but it must be a text or a path"),
         (lambda: TACHK.simulate(MODEL, record="n"), "`record` is 'n', but it must be a list of texts"),
         (lambda: TACHK.replay(3, "a.run"), "`model` is 3, but it must be a model of `tachk.load`"),
@@ -96,3 +100,33 @@ def test_what_python_says_stays() -> None:
         ASK.verify(querie="E<> P.B")
     with pytest.raises(TypeError, match="missing 1 required"):
         TACHK.load()
+
+
+def test_values_of_enumerations_and_single_names_will_do_as_options() -> None:
+    options = TACHK.Options(engine="smt", order="bfs", without="symmetry")
+    assert options.engine is tachk.Engine.SMT
+    assert options.order is tachk.SearchOrder.BFS
+    assert options.without == {"symmetry"}
+    assert [verdict.strategy for verdict in ASK.verify("A[] n < 2", options=TACHK.Options(engine="smt"))] == ["smt"]
+
+
+def test_reports_have_no_truth_value_that_would_always_be_true() -> None:
+    with pytest.raises(TypeError, match=r"report\.met"):
+        bool(ASK.verify("A[] n < 1"))
+    with pytest.raises(TypeError, match=r"report\.truth"):
+        bool(TACHK.monitor("F x > 1", {"time": [0, 1], "x": [0, 0]}))
+
+
+def test_results_are_short_and_name_what_they_have() -> None:
+    (verdict,) = MODEL.verify("E<> P.B")
+    assert verdict.name == "q1"
+    run = MODEL.verify("E<> P.B").run("q1")
+    assert [repr(each) for each in run.steps] == ["<Step after 3: P: A → B>"]
+    assert [repr(each) for each in run.states] == ["<State at 0: P.A>", "<State at 3: P.B>"]
+    drawn = TACHK.simulate(MODEL, until=9)[0]
+    with pytest.raises(KeyError, match="'p'; there are .*'P'"):
+        drawn["p"]
+    asked = ["Pr[<=9](<> P.B)", "Pr[<=9](<> P.B) >= 0.5", "E[<=9;50](max: n)", "simulate[<=9;2]{n}"]
+    found = [repr(each) for each in MODEL.estimate(*asked)]
+    assert [text.split(":")[0] for text in found] == ["<Estimated q1", "<Decided q2", "<Mean q3", "<DrawnRuns q4"]
+    assert max(map(len, found)) < 60

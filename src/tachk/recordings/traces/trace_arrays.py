@@ -152,7 +152,7 @@ def open_table(data: Any, time: str | None = None, unit: str | None = None, name
         return TableRecording(name, header, cells, dated=are_dates(cells[header.time]))
     if not (hasattr(data, "columns") and hasattr(data, "index")):
         raise UsageError(
-            f"a {type(data).__name__} is not a trace",
+            f"a value of type {type(data).__name__} is not a trace",
             "give the path of a file, a data frame, or a dictionary of arrays: {'time': [...], 'speed': [...]}",
         )
     names = [str(column) for column in data.columns]

@@ -92,6 +92,9 @@ class Estimated:
     def frequency(self) -> float:
         return _frequency(self.sample, self.always)
 
+    def __repr__(self) -> str:
+        return f"<Estimated {self.query.name}: {self.low:.4f} to {self.high:.4f}, {self.sample.runs} runs>"
+
 
 @dataclass(frozen=True, slots=True)
 class Decided:
@@ -108,6 +111,9 @@ class Decided:
     samples: tuple[SampledRuns, ...]
     frequencies: tuple[float, ...]
     interval: tuple[float, float] | None = None
+
+    def __repr__(self) -> str:
+        return f"<Decided {self.query.name}: {self.decision.value}, {sum(each.runs for each in self.samples)} runs>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +135,9 @@ class Mean:
     asymptotic: tuple[float, float]
     values: tuple[float, float] | None
 
+    def __repr__(self) -> str:
+        return f"<Mean {self.query.name}: {self.mean:g}, {self.sample.runs} runs>"
+
 
 @dataclass(frozen=True, slots=True)
 class Split:
@@ -139,6 +148,9 @@ class Split:
     rare: Rare
     low: float
     high: float
+
+    def __repr__(self) -> str:
+        return f"<Split {self.query.name}: {self.low:g} to {self.high:g}>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +166,9 @@ class DrawnRuns:
     runs: tuple[Trajectory, ...]
     picked: SampledRuns | None = None
     interval: tuple[float, float] | None = None
+
+    def __repr__(self) -> str:
+        return f"<DrawnRuns {self.query.name}: {len(self.runs)} runs>"
 
 
 Estimate = Estimated | Decided | Mean | Split | DrawnRuns

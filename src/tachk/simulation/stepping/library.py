@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, UsageError
 from tachk.base.diagnostics.render import render
+from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.base.frames import data_frame
 from tachk.base.notebook import html_table, preformatted
 from tachk.engine.simulation.policy import Policy
@@ -162,6 +163,8 @@ def drawn_runs(
 
 def column_of(trace: Trace, name: str) -> NDArray[Any]:
     """A column with values as scripts want them: numbers of a model that are whole are integers. Raises KeyError."""
+    if name not in trace.columns:
+        raise unknown_key(name, trace.columns)
     values = trace.columns[name]
     if name in trace.texts:
         return np.array(trace.labels, dtype=object)[values.astype(np.int64)]

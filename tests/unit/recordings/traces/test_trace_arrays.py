@@ -125,7 +125,7 @@ def test_fractions_are_exact() -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (3, "a int is not a trace"),
+        (3, "a value of type int is not a trace"),
         ({"p": [1]}, "no column time, t or timestamp"),
         ({"t": [], "p": []}, "no rows"),
         ({"t": [1, 0], "p": [1, 1]}, "the time of row 1 lies before"),
