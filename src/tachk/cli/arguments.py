@@ -20,6 +20,7 @@ _PATH_QUERY = re.compile(r"\s*[AE]\s*(\[\]|<>)")
 _QUERY_OPERATOR = re.compile(r"[AE]\s*(\[\]|<>)|-->|\b(sup|inf|bounds)\b|[\s{}()<>=!&|]")
 _RANGE = re.compile(r"\s*-?\w+\s*(\.\.\.?|:)\s*-?\w+\s*((:|\.\.)\s*-?\w+\s*)?|-?\w+\s*(,\s*-?\w+\s*)+")
 """The ways in which other programs write several values."""
+_SETTING = re.compile(r"\s*[A-Za-z_]\w*\s*=[^=>].*")
 _SIZES = {"": 1, "B": 1, "K": 10**3, "M": 10**6, "G": 10**9, "KI": 2**10, "MI": 2**20, "GI": 2**30}
 
 
@@ -61,12 +62,19 @@ def _is_model(argument: str) -> bool:
         raise UsageError(f"{argument} is a folder, not a model", f"models in it: {models}")
     if argument.endswith((*MODEL_SUFFIXES, *QUERY_SUFFIXES)) and not re.search(r"\s", argument):
         raise UsageError(f"there is no file {argument}", _similar_files(path))
+    refuse_setting(argument, "-D")
     if not _QUERY_OPERATOR.search(argument):
         raise UsageError(
             f"{argument!r} is neither a file nor a query",
             f"to check the model's property of this name: --property {argument}" if argument.isidentifier() else None,
         )
     return False
+
+
+def refuse_setting(argument: str, option: str) -> None:
+    """Raises UsageError for ``N=5`` in the place of a query; the option is what sets constants."""
+    if _SETTING.fullmatch(argument):
+        raise UsageError(f"{argument!r} is not a query", f"to set a constant: {option} {argument.replace(' ', '')}")
 
 
 def _similar_files(path: Path) -> str | None:

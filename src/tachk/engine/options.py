@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from enum import StrEnum
 
@@ -188,8 +188,8 @@ class Options:
     def __post_init__(self) -> None:
         for name, kind in _KINDS.items():
             object.__setattr__(self, name, _member(name, kind, getattr(self, name)))
-        switched_off = [self.without] if isinstance(self.without, str) else self.without
-        object.__setattr__(self, "without", frozenset(switched_off))
+        names: Iterable[str] = self.without
+        object.__setattr__(self, "without", frozenset([names] if isinstance(names, str) else names))
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
         _check_range("rows_after", self.rows_after, 0, 2**32 - 1)

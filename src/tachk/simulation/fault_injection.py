@@ -17,6 +17,7 @@ from functools import reduce
 from math import inf, lcm
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.exact_numbers import DIGITS, is_whole
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
@@ -120,7 +121,8 @@ def with_faults(network: Network, plan: Sequence[InjectedFault]) -> FaultedNetwo
     processes = [injection.process(process) for process in network.processes]
     for injected in plan:
         if injected.written not in injection.found:
-            raise UsageError(f"--fault {injected.written}: {injection.why_not(injected)}")
+            reason, remedy = injection.why_not(injected)
+            raise UsageError(f"--fault {injected.written}: {reason}", remedy)
     counters = list(injection.counters())
     last = replace(processes[-1], variables=(*processes[-1].variables, *counters))
     slots = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
@@ -154,12 +156,19 @@ class _Injection:
         yield from self.missed.values()
         yield from self.decisions
 
-    def why_not(self, injected: InjectedFault) -> str:
+    def why_not(self, injected: InjectedFault) -> tuple[str, str | None]:
+        """The reason and the remedy."""
         if injected.written in self.obstacles:
-            return self.obstacles[injected.written]
-        known = sorted({_words(e) for p in self.network.processes for e in p.edges if e.doc.startswith("!")})
-        described = "; ".join(known[:12])
-        return f"no edge of the model is documented so; edges that are documented as events: {described or 'none'}"
+            return self.obstacles[injected.written], None
+        documented = [edge for process in self.network.processes for edge in process.edges if edge.doc]
+        events = [edge for edge in documented if edge.doc.startswith("!")]
+        known = sorted({_words(edge) for edge in events or documented})
+        return (
+            f"no edge is documented as `{injected.fault}`",
+            f"the model documents: {'; '.join(known[:12])}"
+            if known
+            else f"write `/// ! {injected.fault}` on a line of its own above the edge that is the fault",
+        )
 
     def process(self, process: Process) -> Process:
         edges = list(process.edges)
@@ -398,7 +407,12 @@ def _channel(network: Network, injected: InjectedFault) -> tuple[Variable, tuple
         raise UsageError(problem, "such as send[0][1]")
     variable = next((v for v in network.all_variables() if v.name == match[1]), None)
     if variable is None:
-        raise UsageError(problem)
+        channels = [
+            each.name
+            for each in network.all_variables()
+            if any(isinstance(leaf, ChannelType) for _, leaf in leaves(each.type))
+        ]
+        raise UsageError(problem, did_you_mean(match[1], channels))
     constants = dict(network.constants)
     values = []
     for index in re.findall(r"\w+", match[2]):

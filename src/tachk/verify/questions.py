@@ -80,7 +80,7 @@ class Questions:
         close = closest(name, names)
         raise UsageError(
             f"{self.path} has no property {name!r}",
-            f"did you mean {close}?" if close else f"it has: {', '.join(names) or 'none'}",
+            f"did you mean `{close}`?" if close else f"it has: {', '.join(names) or 'none'}",
         )
 
 

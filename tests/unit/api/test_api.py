@@ -132,7 +132,7 @@ def test_what_is_wrong_with_a_property_that_was_requested(lamp: Path) -> None:
     with pytest.raises(tachk.InputError, match="E0730"):
         model.verify(property="open")
     assert list(model.verify(property="smc").estimates) == ["smc"]
-    with pytest.raises(tachk.UsageError, match=r"no property 'brigth' \(did you mean bright\?\)"):
+    with pytest.raises(tachk.UsageError, match=r"no property 'brigth' \(did you mean `bright`\?\)"):
         model.verify(property="brigth")
 
 

@@ -124,7 +124,7 @@ def test_results_are_short_and_name_what_they_have() -> None:
     assert [repr(each) for each in run.steps] == ["<Step after 3: P: A → B>"]
     assert [repr(each) for each in run.states] == ["<State at 0: P.A>", "<State at 3: P.B>"]
     drawn = TACHK.simulate(MODEL, until=9)[0]
-    with pytest.raises(KeyError, match="'p'; there are .*'P'"):
+    with pytest.raises(KeyError, match=r"'p'; there are .*'P'"):
         drawn["p"]
     asked = ["Pr[<=9](<> P.B)", "Pr[<=9](<> P.B) >= 0.5", "E[<=9;50](max: n)", "simulate[<=9;2]{n}"]
     found = [repr(each) for each in MODEL.estimate(*asked)]

@@ -19,6 +19,18 @@ def test_systems_are_listed_and_parts_are_not(capsys: pytest.CaptureFixture[str]
     assert not any(line.startswith("lib/") for line in lines)
 
 
+def test_a_listed_model_has_a_whole_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    run_list()
+    assert all(line.endswith((".", "!", "?")) for line in capsys.readouterr().out.splitlines())
+
+
+def test_a_second_model_is_not_taken_for_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="csma_cd is the name of a model"):
+        run_copy("fischer", Path("csma_cd"))
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_model_without_imports_stands_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run_copy("fischer", tmp_path / "new")
     assert capsys.readouterr().out == f"written: {tmp_path / 'new/fischer.ta'}\n"

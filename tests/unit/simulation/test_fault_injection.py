@@ -257,13 +257,22 @@ def test_runs_of_an_own_link_with_faults_are_runs_of_the_model(policy: Policy) -
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("/// ! lost\n", "/// ! gone\n"), "documented as events: gone; late; never ordered"),
+        (("/// ! lost\n", "/// ! gone\n"), r"no edge is documented as `lost` .*documents: gone; late; never ordered"),
         (("guard lost < LOSSES;", "guard lost < LOSSES; sync request!;"), "its edge in Link.Full waits for a partner"),
     ],
 )
 def test_what_a_link_lacks_is_named(change: tuple[str, str], said: str) -> None:
     with pytest.raises(UsageError, match=f"--fault lost=0.5: .*{said}"):
         with_faults(tachk.loads(OWN_LINK.replace(*change)).network, [parse_fault("lost=0.5")])
+
+
+def test_a_wrong_name_of_a_fault_or_channel_gets_advice() -> None:
+    network = tachk.loads(OWN_LINK).network
+    with pytest.raises(UsageError, match=r"no channel requests \(did you mean `request`"):
+        with_faults(network, [parse_fault("lost=requests:1")])
+    bare = tachk.loads("process P() { init location a { to a; } } system P;").network
+    with pytest.raises(UsageError, match=r"write `/// ! drop` on a line of its own above the edge"):
+        with_faults(bare, [parse_fault("drop=0.5")])
 
 
 @pytest.mark.parametrize(

@@ -101,11 +101,17 @@ def run_chart(arguments: ChartArguments) -> ExitStatus:
 
 
 def _read(arguments: ChartArguments) -> Chart:
+    from tachk.cli.arguments import MODEL_SUFFIXES
     from tachk.report.sequence.of_run import chart_of_run
     from tachk.xrce.packets import CaptureError
     from tachk.xrce.report.sequence_chart import chart_of_capture
     from tachk.xrce.transmissions import read_transmissions
 
+    if arguments.file.suffix in MODEL_SUFFIXES:
+        raise UsageError(
+            f"{arguments.file} is a model; a chart shows a run of it, or a capture",
+            f"for a run: tachk verify {arguments.file} --format json -o run.json; tachk chart run.json",
+        )
     with arguments.file.open("rb") as stream:
         is_report = stream.read(1) in (b"{", b" ", b"\n")
     if is_report:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
+from itertools import takewhile
 from pathlib import Path
 
 import click
@@ -58,13 +59,19 @@ _SYSTEM = re.compile(r"^system\b", re.MULTILINE)
 
 
 def run_list() -> ExitStatus:
-    """Prints the name and the first line of each model that is a system, not a part of one."""
+    """Prints the name and the first sentence of each model that is a system, not a part of one."""
     found = _models()
     width = max(map(len, found))
     for name, path in found.items():
-        first = path.read_text(encoding="utf-8").partition("\n")[0]
-        print(f"{name:<{width}}  {first.removeprefix('//').strip()}")
+        print(f"{name:<{width}}  {_first_sentence(path.read_text(encoding='utf-8'))}")
     return ExitStatus.AS_EXPECTED
+
+
+def _first_sentence(text: str) -> str:
+    """Of the comment at the beginning of a text."""
+    comment = takewhile(lambda line: line.startswith("//"), text.splitlines())
+    paragraph = takewhile(bool, (line.removeprefix("//").strip() for line in comment))
+    return re.split(r"(?<=[.!?]) ", " ".join(paragraph), maxsplit=1)[0]
 
 
 def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
@@ -73,6 +80,8 @@ def run_copy(name: str, folder: Path, force: bool = False) -> ExitStatus:
     Raises:
         UsageError: there is no such model, or a file that is different would be lost.
     """
+    if not folder.exists() and _fitting(str(folder)):
+        raise UsageError(f"{folder} is the name of a model, not of a folder", "copy one model at a time")
     files = [*dict.fromkeys(_with_imports(_named(name)))]
     common = Path(os.path.commonpath([path.parent for path in files]))
     targets = {path: folder / path.relative_to(common) for path in files}
@@ -91,14 +100,19 @@ def _models() -> dict[str, Path]:
     }
 
 
-def _named(name: str) -> Path:
-    found = _models()
+def _fitting(name: str) -> list[str]:
+    """The models that a name may mean."""
     wanted = name.removesuffix(".ta").removeprefix("models/")
-    fitting = [full for full in found if full == wanted or full.endswith(f"/{wanted}")]
+    return [full for full in _models() if full == wanted or full.endswith(f"/{wanted}")]
+
+
+def _named(name: str) -> Path:
+    found, fitting = _models(), _fitting(name)
     if len(fitting) == 1:
         return found[fitting[0]]
     if fitting:
         raise UsageError(f"{name} may be several models", f"name one of {', '.join(fitting)}")
+    wanted = name.removesuffix(".ta").removeprefix("models/")
     close = closest(wanted, [*found, *(full.rpartition("/")[2] for full in found)])
     raise UsageError(
         f"no model that comes with tachk is called {name}", f"did you mean {close}?" if close else "tachk models"

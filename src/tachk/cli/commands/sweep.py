@@ -200,10 +200,12 @@ class SweepArguments:
 def run_sweep(arguments: SweepArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Computes the table, and reports."""
     from tachk.api import model as api
-    from tachk.cli.arguments import parse_size
+    from tachk.cli.arguments import parse_size, refuse_setting
     from tachk.verify.campaign.job import ESTIMATED
     from tachk.verify.verdict import Answer
 
+    for query in arguments.queries:
+        refuse_setting(query, "--over")
     if arguments.picture is not None:
         require("matplotlib")
     grid = grid_of(arguments.over)

@@ -422,7 +422,8 @@ def model_formulas(source: Source, definitions: Mapping[str, str]) -> tuple[Name
     if not read:
         raise UsageError(
             f"{source.name} contains no property that can be checked on a trace",
-            "formulas (G (p -> F[0, 5] q)) and sentences can be monitored; E<> and A[] speak about all runs",
+            "formulas and sentences can be monitored; E<>, A[] and --> speak about all runs: write A[] p as G p, "
+            "and p -->[<= 5] q as G (p -> F[0, 5] q)",
         )
     return _checked(read, source.name)
 
