@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     help="Of a report of tachk verify: the run about this property; without this option the first run.",
 )
 @options.agent_ports(
-    "Of a capture: a port of an Agent, or of a relay that clients take for one; without this option 8888 and "
+    "Of a capture: the port of an Agent, or of a proxy in front of it; without this option 8888 and "
     "every port at which a session is created. Can be given several times."
 )
 @options.max_seconds()

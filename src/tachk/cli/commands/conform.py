@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 )
 @click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
 @options.agent_ports(
-    "Of a capture of packets: a port of an Agent, or of a relay that clients take for one; without this option "
+    "Of a capture of packets: the port of an Agent, or of a proxy in front of it; without this option "
     "8888 and every port at which a session is created. Can be given several times."
 )
 @click.option(

@@ -49,9 +49,9 @@ from tachk.report.run.display import RunDisplay
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Execute a run step by step on a model, by the semantics that judges counterexamples.
+    """Replay a run on a model, step by step, and check that the model allows it.
 
-    Exit status: 0 it is a run of the model, 10 it is none, or violates a formula, 20 a formula is undetermined, 2 bad
+    Exit status: 0 it is a run of the model, 10 it is not, or it violates a formula, 20 a formula is undetermined, 2 bad
     input.
     """
 

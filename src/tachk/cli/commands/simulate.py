@@ -95,7 +95,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     help="How long a process waits before it acts; script FILE: one run, all decisions are in the file.",
 )
 @click.option(
-    "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="The number of the first run; 0."
+    "first", "--first", metavar="N", type=options.Count(0, 2**62), default=0, help="Index of the first run (default 0)."
 )
 @drawing.threads("runs")
 @drawing.most_steps("steps", "End a run after N transitions.")
@@ -110,7 +110,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
 @click.option(
     "all_runs", "--all-runs", is_flag=True, help="With --monitor: write all runs, not only those that violate."
 )
-@drawing.confidence(0.5, "Of the interval for the probability that a run violates a formula.")
+@drawing.confidence(0.5, "Confidence level of the interval for the probability that a run violates a formula.")
 @options.definitions
 @click.option(
     "output",
@@ -130,7 +130,7 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Draw random runs of a model: each process draws its waiting time, and the first one acts.
+    """Simulate random runs of a model: each process draws how long it waits, and the first one acts.
 
     Exit status: 0 the runs were drawn and violate no formula, 10 some do or end with a run-time error, 20 some formula
     is undetermined and none is false, 2 bad input, 3 something that is not simulated.

@@ -46,9 +46,10 @@ if TYPE_CHECKING:
 @drawing.seed("The same seed gives the same random steps.")
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:
-    """Walk through a model: it lists what can happen and when, and you choose; help says how.
+    """Walk through a model, step by step: tachk lists what can happen and when, and you choose. Type `help` for the
+    commands.
 
-    Commands may also come from a pipe or a file. Then the first one that cannot be obeyed ends the program.
+    Commands may also come from a pipe or a file. Then the first wrong one ends the program with status 2.
 
     Exit status: 0, or 2 for bad input.
     """

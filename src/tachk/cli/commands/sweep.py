@@ -123,10 +123,10 @@ if TYPE_CHECKING:
     type=options.type_of_file,
     help="Take over the cells of this file of the same sweep, such as a part has made.",
 )
-@drawing.confidence(0.8, "Of the intervals of statistical queries.")
+@drawing.confidence(0.8, "Confidence level of the intervals of statistical queries.")
 @drawing.half_width("Statistical queries draw runs until the interval of a probability is at most 2 E wide.")
 @drawing.runs("Statistical queries draw N runs, --monitor judges N (else 100).")
-@drawing.seed("Of the runs of statistical queries.")
+@drawing.seed("Seed of the runs of statistical queries.")
 @drawing.splitting
 @options.max_states("; its answers are unknown then")
 @options.max_memory

@@ -20,7 +20,7 @@ from tachk.cli.exit_status import ExitStatus
 @click.command(name="decode")
 @click.argument("file", metavar="FILE", type=options.type_of_file)
 @options.agent_ports(
-    "A UDP or TCP port of an Agent, or of a relay that clients take for one. Can be given several times. "
+    "The UDP or TCP port of an Agent, or of a proxy in front of it. Can be given several times. "
     "Without it 8888, and with --signals each port to which a session is created."
 )
 @click.option(
@@ -46,7 +46,7 @@ def command(seconds: float | None, **given: Any) -> None:
     FILE is a pcap or pcapng capture; - reads one from standard input as it comes, for instance from tcpdump -w -.
     What goes to or from the port and is not a message of DDS-XRCE gets a line that says malformed, and why.
 
-    The exit status is 0 if FILE is a capture, whatever is in it, and 2 if it is none.
+    The exit status is 0 if FILE is a capture, whatever is in it, and 2 if it is not.
     """
 
     arguments = options.distributed(given, Decoding)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.command(name="measure")
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=options.type_of_file)
 @options.agent_ports(
-    "A port of an Agent, or of a relay that clients take for one; without this option 8888 and every port at "
+    "The port of an Agent, or of a proxy in front of it; without this option 8888 and every port at "
     "which a session is created. Can be given several times."
 )
 @click.option(
