@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import current_process, get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from threading import Thread
@@ -100,7 +100,7 @@ def _started() -> _Worker:
     ours, theirs = _CONTEXT.Pipe()
     process = _CONTEXT.Process(target=_work, args=(theirs,), daemon=True)
     try:
-        with _importable_program():
+        with _importable_program(), _interrupts_held():
             process.start()
     except RuntimeError:
         if current_process().name == "MainProcess":
@@ -108,6 +108,21 @@ def _started() -> _Worker:
         os._exit(_UNGUARDED)
     theirs.close()
     return _Worker(process, ours)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Blocks Ctrl-C, also for a process that is started meanwhile: where that imports its modules, it would print the
+    place of the interrupt."""
+    if sys.platform == "win32":
+        yield
+        return
+    resource_tracker.ensure_running()  # which unblocks what it blocks itself
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -147,6 +162,8 @@ def _work(pipe: Connection) -> None:
     """The loop of a process until it is killed. Ctrl-C is for the program that started it."""
     collect_rarely()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     Thread(target=_end_with_parent, daemon=True).start()
     job = pipe.recv()
     while True:
