@@ -13,6 +13,7 @@ from tachk.syntax.parsing.tokens import END, Token
 _ASSIGNMENTS = ("=", ":=", "+=", "-=", "*=", "/=", "++", "--")
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=", "&&", "||", "and", "or")
 _GUARDS = ("when", "if", "where", "condition", "provided")
+_SIGNS = {"send": "!", "emit": "!", "raise": "!", "receive": "?", "recv": "?", "wait": "?", "await": "?", "on": "?"}
 _RESETS = ("reset", "set", "do", "update", "effect", "action")
 
 
@@ -57,6 +58,9 @@ def _bare_clause(situation: ParseSituation) -> Diagnostic | None:
             rest = _without_parentheses(_until(tokens, index + 1 + (following == "{")))
             update = rest if any(sign in rest for sign in _ASSIGNMENTS) else f"{rest} = 0"
             return _unknown(token, clause, f"write `assign {update};`")
+        if token.text in _SIGNS and tokens[index + 1].type == "NAME":
+            channel = _until(tokens, index + 1).rstrip("!?")
+            return _unknown(token, clause, f"write `sync {channel}{_SIGNS[token.text]};`")
         if following in ("!", "?"):
             message = "a synchronisation begins with `sync`"
             return Diagnostic("E0101", message, clause, f"write `sync {text};`")
