@@ -22,7 +22,7 @@ def reduction_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 def _strategy(verdict: Verdict) -> Iterator[str]:
     """The strategy that decided it, where it is none of those that search as one expects."""
     if verdict.strategy and not is_plain(verdict.strategy):
-        yield f"decided by {verdict.strategy}"
+        yield f"decided by the strategy {verdict.strategy}"
 
 
 def for_all(members: str) -> str:
