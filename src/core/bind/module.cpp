@@ -157,6 +157,7 @@ NB_MODULE(_core, m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
+      .def("effort", &Explorer::effort, "The work so far, in states of a small network that would take as long.")
       .def("discrete_states", &Explorer::discrete_states, "How many discrete states have been seen.")
       .def("reduced_states", &Explorer::reduced_states, "How many states were expanded with some actions only.")
       .def("has_merged", &Explorer::has_merged, "True if zones have been merged.")

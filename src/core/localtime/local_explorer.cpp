@@ -126,6 +126,12 @@ reachability::Statistics LocalExplorer::statistics() const {
   return {explored_, passed_.stored(), transitions_, bytes};
 }
 
+std::uint64_t LocalExplorer::effort() const {
+  constexpr std::uint64_t entries_as_long = 1024;  // as a state takes
+  const std::uint64_t dimension = graph_.agents().count + static_cast<std::uint64_t>(graph_.program().clocks);
+  return passed_.stored() + transitions_ * dimension * dimension / entries_as_long;
+}
+
 std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
   if (goals_.node(goal) == no_node) return std::nullopt;
   Path actions;

@@ -70,6 +70,8 @@ class LocalExplorer final {
   reachability::Status run(std::uint64_t expansions);
 
   reachability::Statistics statistics() const;
+  // As `reachability::Explorer::effort`.
+  std::uint64_t effort() const;
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   // True if interchangeable processes are permuted.

@@ -16,22 +16,8 @@ void ByProgress::start(const Beginning& at) {
       far = beyond(far_of[parent], progress_.between(before.data(), after.data()));
     }
     far_of.push_back(far);
-    if (number >= at.first && !states.covered(number)) wait(number, far);
+    if (number >= at.first && !states.covered(number)) waiting_.add(number, far);
   }
-}
-
-std::uint32_t ByProgress::next() {
-  while (!queues_.empty()) {
-    const auto first = queues_.begin();
-    Queue& queue = first->second;
-    if (queue.taken < queue.nodes.size()) {
-      far_ = first->first;
-      --waiting_;
-      return queue.nodes[queue.taken++];
-    }
-    queues_.erase(first);
-  }
-  return states::no_node;
 }
 
 }  // namespace tachk::order

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <vector>
 
+#include "order/buckets.hpp"
 #include "order/orders.hpp"
 #include "order/progress.hpp"
 
@@ -19,28 +19,18 @@ class ByProgress final : public Order {
 
   void begin(const std::int32_t* slots) override { locations_.assign(slots, slots + progress_.processes()); }
   void add(const NewState& state) override {
-    wait(state.node, beyond(far_, progress_.between(locations_.data(), state.slots)));
+    waiting_.add(state.node, beyond(far_, progress_.between(locations_.data(), state.slots)));
   }
-  std::uint32_t next() override;
-  std::size_t bytes() const override { return waiting_ * sizeof(std::uint32_t); }
+  std::uint32_t next() override { return waiting_.next(far_); }
+  std::size_t bytes() const override { return waiting_.bytes(); }
 
  private:
-  struct Queue {
-    std::vector<std::uint32_t> nodes;
-    std::size_t taken = 0;
-  };
-
   static std::uint32_t beyond(std::uint32_t far, std::uint32_t step) {
     return far > UINT32_MAX - step ? UINT32_MAX : far + step;
   }
-  void wait(std::uint32_t node, std::uint32_t far) {
-    queues_[far].nodes.push_back(node);
-    ++waiting_;
-  }
 
   Progress progress_;
-  std::map<std::uint32_t, Queue> queues_;  // by how far their states have come
-  std::size_t waiting_ = 0;
+  Buckets waiting_;         // by how far the states have come
   std::uint32_t far_ = 0;  // of the state taken last
   std::vector<std::int32_t> locations_;
 };

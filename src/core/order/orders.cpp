@@ -5,7 +5,9 @@
 #include <concepts>
 #include <random>
 
+#include "order/buckets.hpp"
 #include "order/by_progress.hpp"
+#include "order/goal_distance.hpp"
 
 namespace tachk::order {
 
@@ -37,6 +39,23 @@ class DepthFirst final : public Order {
   std::vector<std::uint32_t> fresh_;  // added by the current expansion
 };
 
+// The state that is nearest to a goal is the next, among equal ones the oldest.
+class BestFirst final : public Order {
+ public:
+  explicit BestFirst(const Beginning& at) : distance_(at.program) {}
+
+  void add(const NewState& state) override { waiting_.add(state.node, distance_.of(state.slots)); }
+  std::uint32_t next() override {
+    std::uint32_t distance = 0;
+    return waiting_.next(distance);
+  }
+  std::size_t bytes() const override { return waiting_.bytes(); }
+
+ private:
+  GoalDistance distance_;
+  Buckets waiting_;
+};
+
 template <class Kind>
 std::unique_ptr<Order> make(const Beginning& at) {
   std::unique_ptr<Order> made;
@@ -54,6 +73,7 @@ constexpr std::array rows{
     OrderRow{"DFS", make<DepthFirst<false>>},
     OrderRow{"RANDOM_DFS", make<DepthFirst<true>>},
     OrderRow{"PROGRESS", make<ByProgress>},
+    OrderRow{"BEST_FIRST", make<BestFirst>},
 };
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace tachk::order {
 
 // `automatic`: breadth first, and by progress once that turns out to explore most states in vain.
-enum class SearchOrder { automatic, breadth_first, depth_first, random_depth_first, progress };
+enum class SearchOrder { automatic, breadth_first, depth_first, random_depth_first, progress, best_first };
 
 // A new state, which follows from the one begun last, and the older ones that it covers.
 struct NewState {

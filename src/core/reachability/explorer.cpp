@@ -172,6 +172,13 @@ Statistics Explorer::statistics() const {
   return {work_.explored, store_.states().stored(), parts_.taken.steps(), store_.bytes() + waiting_.bytes()};
 }
 
+std::uint64_t Explorer::effort() const {
+  constexpr std::uint64_t entries_as_long = 1024, extents_as_long = 256;  // as a state takes
+  const auto dimension = static_cast<std::uint64_t>(program().clocks) + 1;
+  return store_.states().stored() + parts_.taken.steps() * dimension * dimension / entries_as_long +
+         store_.states().examined() / extents_as_long;
+}
+
 std::optional<std::uint32_t> Explorer::reached(std::size_t goal) const {
   return parts_.goals.node(goal) == no_node ? std::nullopt : std::optional(parts_.goals.node(goal));
 }

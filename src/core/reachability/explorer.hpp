@@ -57,6 +57,9 @@ class Explorer final {
   const program::Program& program() const { return graph_.program(); }
   const zones::ZoneOperations& operations() const { return graph_.operations(); }
   Statistics statistics() const;
+  // A measure of the work done so far that does not depend on the machine: about so many states of a small network
+  // would have taken as long.
+  std::uint64_t effort() const;
   // How many discrete states have been seen.
   std::uint32_t discrete_states() const { return store_.states().discrete_states(); }
   bool has_merged() const { return store_.merging().any(); }

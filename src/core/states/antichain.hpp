@@ -37,10 +37,11 @@ class Antichain {
     *this = std::move(fresh);
   }
 
-  // True if `accept(number)` is true of a member whose extent may include this one.
+  // True if `accept(number)` is true of a member whose extent may include this one. Adds to `examined` how many extents
+  // it looks at.
   template <class Accept>
-  bool any_above(const zones::Extent& extent, Accept accept) const {
-    return any_above(root_, extent, accept);
+  bool any_above(const zones::Extent& extent, Accept accept, std::uint64_t& examined) const {
+    return any_above(root_, extent, accept, examined);
   }
 
   // Removes the members whose extents this one may include and for which `covered(number)` is true.
@@ -86,11 +87,12 @@ class Antichain {
   };
 
   template <class Accept>
-  static bool any_above(const Part& part, const zones::Extent& extent, Accept& accept) {
+  static bool any_above(const Part& part, const zones::Extent& extent, Accept& accept, std::uint64_t& examined) {
+    examined += part.group->members.size() + part.group->parts.size();
     for (const Member& member : part.group->members)
       if (member.extent.may_include(extent) && accept(member.number)) return true;
     for (const Part& inner : part.group->parts)
-      if (inner.most.may_include(extent) && any_above(inner, extent, accept)) return true;
+      if (inner.most.may_include(extent) && any_above(inner, extent, accept, examined)) return true;
     return false;
   }
 

@@ -39,7 +39,7 @@ std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const C
     return true;
   };
   if (is_long(first))
-    chain(first).any_above(bounds == nullptr ? extent_of(zone) : zones::Extent::below_all(), accept);
+    chain(first).any_above(bounds == nullptr ? extent_of(zone) : zones::Extent::below_all(), accept, examined_);
   else
     for (std::uint32_t number = first; number != no_node && !accept(number);) number = next(number);
   return found;
@@ -83,7 +83,7 @@ std::uint32_t PassedList::find(std::uint32_t discrete, ZoneView zone) const {
   };
   const std::uint32_t first = head(discrete);
   if (is_long(first))
-    chain(first).any_above(extent_of(zone), equal);
+    chain(first).any_above(extent_of(zone), equal, examined_);
   else
     for (std::uint32_t number = first; number != no_node && !equal(number);) number = next(number);
   return found;
@@ -138,7 +138,8 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
 
 bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const {
   if (is_long(head))
-    return chain(head).any_above(extent_of(zone), [&](std::uint32_t number) { return zone_of(number) == zone_number; });
+    return chain(head).any_above(
+        extent_of(zone), [&](std::uint32_t number) { return zone_of(number) == zone_number; }, examined_);
   for (std::uint32_t number = head; number != no_node; number = next(number))
     if (zone_of(number) == zone_number) return true;
   return false;

@@ -107,6 +107,8 @@ class PassedList {
   // True if a node has this zone; of a covered node, whether it has one with this hash.
   bool may_equal(std::uint32_t number, ZoneView zone) const;
   std::size_t bytes() const;
+  // How many members of long antichains have been looked at.
+  std::uint64_t examined() const { return examined_; }
 
  private:
   static constexpr std::size_t short_chain = 8;
@@ -164,6 +166,7 @@ class PassedList {
   std::vector<Antichain> chains_;
   std::size_t chain_bytes_ = 0;
   std::uint32_t stored_ = 0;
+  mutable std::uint64_t examined_ = 0;
   std::vector<std::uint32_t> covered_last_;
   std::uint32_t first_waiting_ = UINT32_MAX;
   struct {

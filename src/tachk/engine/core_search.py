@@ -41,6 +41,10 @@ class RunningSearch(Protocol):
     def statistics(self) -> tuple[int, int, int, int]: ...
 
 
+class MeasuredSearch(RunningSearch, Protocol):
+    def effort(self) -> int: ...
+
+
 class CoreSearch(RunningSearch, Protocol):
     """A search that remembers the run-time error that ended it."""
 
@@ -111,7 +115,11 @@ def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, st
             slice_size = max(slice_size // 2, 1)
 
 
-def statistics_of(search: RunningSearch, start: float) -> Statistics:
+class _Counting(Protocol):
+    def statistics(self) -> tuple[int, int, int, int]: ...
+
+
+def statistics_of(search: _Counting, start: float) -> Statistics:
     """The statistics of a search that began at ``start`` so far."""
     explored, stored, transitions, peak = search.statistics()
     return Statistics(explored, stored, transitions, time.perf_counter() - start, peak)

@@ -44,6 +44,9 @@ class SearchOrder(StrEnum):
     RANDOM_DFS = "rdfs"
     PROGRESS = "progress"
     """The states first that have come least far, counted in rounds and layers of the locations of each process."""
+    BEST_FIRST = "best-first"
+    """The states first that are nearest to the goal, by the edges that each process still has to take and the variables
+    that have other values (greedy best-first search)."""
 
     @property
     def finds_shortest(self) -> bool:

@@ -83,6 +83,7 @@ class Outcome:
         ``"interrupted"``, ``"run-time error"``; empty otherwise.
     fault: what the run-time error was that ended the search; without such, that of the first goal that has one.
     exact: False if the set of states was over-approximated (stopwatches): then REACHED needs a replayed trace.
+    attempt: the search of the portfolio that has found a run; empty: the one that explores all states.
     """
 
     goals: tuple[GoalOutcome, ...]
@@ -90,6 +91,7 @@ class Outcome:
     reason: str = ""
     fault: RunTimeFault | None = None
     exact: bool = True
+    attempt: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,10 @@
 """Searches of the core that may answer in the place of the ordinary one, which explores all states.
 
 A portfolio as that of whole queries (`tachk.verify.strategies`): each row says how a search is begun, what can be
-believed of its outcome, and how long it may take. The loop is `tachk.engine.zone.explore`. The rows without a budget
-are tried first; the others once the ordinary search has stored many states, which it goes on with if they fail.
+believed of its outcome, and how long it may take. The loop is `tachk.engine.zone.explore`. A row has its turn once the
+ordinary search has done so much work, and that search goes on if the row decides nothing. A row that grows has its
+turn again each time the ordinary search has done twice as much, with a budget in proportion. Work is counted in states
+of a small network (`Explorer::effort`), not in seconds, so that the same run is found each time.
 """
 
 from __future__ import annotations
@@ -16,14 +18,17 @@ from tachk.base.job import OutOfMemoryError
 from tachk.base.records import dataclass
 from tachk.engine import local_times
 from tachk.engine.compiler.program import Goal, Program
-from tachk.engine.core_search import RunningSearch, core_limits, core_options, run_in_slices
-from tachk.engine.options import Limits, Options, SearchOrder
+from tachk.engine.core_search import MeasuredSearch, core_limits, core_options, run_in_slices
+from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.program_image import encode
+from tachk.engine.simulated_runs import SimulatedRuns
 from tachk.transform.transformation import Exactness
 
-ZoneSearch = _core.Explorer | _core.LocalExplorer
+GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
 
 _STEP = 64
+_LONG = 2_000_000
+"""A search that has done so much work has taken some ten seconds, and is likely to take many more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,41 +55,71 @@ class SearchStrategy:
         meaning: what it does, in a sentence.
         begin: the search; None where it is not sound, or would hardly pay.
         exactness: what can be believed of its outcome.
-        after: how many states the ordinary search stores before; None: it comes before that.
+        after: how much work the ordinary search does before.
+        at_once: whether it comes before the ordinary search with these options.
         explored: its budget, in states that are explored. Where it is hit, the search has decided nothing.
-        sample: after how many of them it is looked at whether the search pays.
+        work: its budget as work, in place of that.
+        share: of the work of the ordinary search, its budgets behind the first one; 0: it has one turn.
+        long_share: the same where the ordinary search takes long.
+        sample: after how many explored states it is looked at whether the search pays.
         pays: whether it goes on after the sample.
     """
 
     name: str
     meaning: str
-    begin: Callable[[SearchProblem], ZoneSearch | None]
+    begin: Callable[[SearchProblem], GoalSearch | None]
     exactness: Exactness
-    after: int | None = None
+    after: int
+    at_once: Callable[[Options], bool] = lambda options: False
     explored: int | None = None
+    work: int | None = None
+    share: float = 0.0
+    long_share: float = 0.0
     sample: int = 0
-    pays: Callable[[ZoneSearch, int], bool] = lambda search, explored: True
+    pays: Callable[[GoalSearch, int], bool] = lambda search, explored: True
+
+    @property
+    def is_attempt(self) -> bool:
+        """True if it has a budget."""
+        return self.explored is not None or self.work is not None
 
     def is_allowed(self, options: Options, limits: Limits) -> bool:
         if self.name in options.without:
             return False
-        if self.after is None:
+        if not self.is_attempt:
             return True
         of_use = limits.states is None or limits.states > self.after
         free = options.order is SearchOrder.AUTO and not options.shortest
         return of_use and free and "attempts" not in options.without
 
-    def run(self, search: ZoneSearch) -> tuple[_core.Status, str]:
+    def first(self, options: Options) -> int:
+        """How much work the ordinary search does before."""
+        return 0 if self.at_once(options) else self.after
+
+    def later(self) -> SearchStrategy:
+        """The row for its next turn."""
+        assert self.work is not None
+        after = max(2 * self.after, int(2 * self.work / self._share_at(self.after)))
+        return replace(self, after=after, work=int(after * self._share_at(after)))
+
+    def _share_at(self, effort: int) -> float:
+        return self.share if effort < _LONG else self.long_share
+
+    def run(self, search: _core.Explorer | SimulatedRuns) -> tuple[_core.Status, str]:
         """Runs the search within its budget: its last status, and why that is not FINISHED."""
-        if self.explored is None:
-            return run_in_slices(search, time.perf_counter())
-        status, reason = run_in_slices(BudgetedSearch(search, explored=self.sample), time.perf_counter())
+        begun = time.perf_counter()
+        if isinstance(search, SimulatedRuns):
+            return run_in_slices(search.budgeted(self.work or 0), begun)
+        if self.work is not None:
+            return run_in_slices(BudgetedSearch(search, effort=search.effort() + self.work), begun)
+        assert self.explored is not None
+        status, reason = run_in_slices(BudgetedSearch(search, explored=self.sample), begun)
         if status is _core.Status.STATE_LIMIT and self.pays(search, self.sample):
             rest = BudgetedSearch(search, explored=self.explored - self.sample)
             status, reason = run_in_slices(rest, time.perf_counter())
         return status, reason
 
-    def decides(self, problem: SearchProblem, search: ZoneSearch, status: _core.Status) -> bool:
+    def decides(self, problem: SearchProblem, search: GoalSearch, status: _core.Status) -> bool:
         """True if the outcome of the search is that of the problem."""
         if isinstance(search, _core.LocalExplorer):
             failed = status in (_core.Status.FAULT, _core.Status.CONSTANT_LIMIT)
@@ -93,18 +128,20 @@ class SearchStrategy:
             return not search.any_failure()
         return all(search.reached(number) is not None for number, goal in enumerate(problem.goals) if goal.decides)
 
-    def is_stopped(self, status: _core.Status, reason: str) -> bool:
+    @staticmethod
+    def is_stopped(status: _core.Status, reason: str) -> bool:
         """True if the search was ended from outside; its memory is free again once it has ended."""
         outside = status in (_core.Status.RUNNING, _core.Status.TIME_LIMIT)
         return outside and bool(reason) and reason != OutOfMemoryError.reason
 
 
 class BudgetedSearch:
-    """A part of a search, which ends with the status STATE_LIMIT once so many states are stored, or explored."""
+    """A part of a search, which ends with the status STATE_LIMIT once it has done so much work, or explored so many."""
 
-    def __init__(self, search: RunningSearch, *, stored: int | None = None, explored: int | None = None) -> None:
-        self._search, self._stored, self._left = search, stored, explored
+    def __init__(self, search: MeasuredSearch, *, effort: int | None = None, explored: int | None = None) -> None:
+        self._search, self._effort, self._left = search, effort, explored
         self._until_check = 0
+        self._step = 1
 
     def run(
         self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None
@@ -124,11 +161,11 @@ class BudgetedSearch:
         return _core.Status.RUNNING
 
     def _is_full(self) -> bool:
-        """Looked at after every so many states, however the search is divided into calls."""
+        """Looked at after 1, 2, 4 ... states, then after every so many, however the search is divided into calls."""
         if self._until_check > 0:
             return False
-        self._until_check = _STEP
-        return self._stored is not None and self.statistics()[1] >= self._stored
+        self._until_check, self._step = self._step, min(2 * self._step, _STEP)
+        return self._effort is not None and self._search.effort() >= self._effort
 
     def statistics(self) -> tuple[int, int, int, int]:
         return self._search.statistics()
@@ -147,7 +184,7 @@ def _in_one_order(problem: SearchProblem) -> _core.Explorer | None:
     return _explorer(problem, problem.program, replace(problem.options, partial_order=True))
 
 
-def _saves_many(search: ZoneSearch, explored: int) -> bool:
+def _saves_many(search: GoalSearch, explored: int) -> bool:
     """True if one order of actions was enough in a quarter of the states."""
     return isinstance(search, _core.Explorer) and 4 * search.reduced_states() >= explored
 
@@ -161,16 +198,55 @@ def _depth_first(problem: SearchProblem) -> _core.Explorer | None:
     return _explorer(problem, without_symmetry, replace(problem.options, order=SearchOrder.DFS))
 
 
+def _best_first(problem: SearchProblem) -> _core.Explorer | None:
+    """With one goal only: the way to the nearest of several is seldom that to the others."""
+    if problem.limits.depth is not None or sum(goal.decides for goal in problem.goals) != 1:
+        return None
+    without_symmetry = replace(problem.program, interchangeable=())
+    return _explorer(problem, without_symmetry, replace(problem.options, order=SearchOrder.BEST_FIRST))
+
+
+def _simulated(problem: SearchProblem) -> SimulatedRuns | None:
+    """Not where clocks stop: what is found has to be found by zones as well, which are not exact there."""
+    if problem.limits.depth is not None or problem.program.has_stopwatches:
+        return None
+    if any(goal.asks_deadlock or not goal.disjuncts for goal in problem.goals if goal.decides):
+        return None
+    return SimulatedRuns(problem.program, problem.goals)
+
+
 def _explorer(problem: SearchProblem, program: Program, options: Options) -> _core.Explorer:
     return _core.Explorer(encode(program, problem.goals), core_options(options), core_limits(problem.limits))
 
 
 PORTFOLIO = (
     SearchStrategy(
+        "simulated",
+        "draw runs by several policies of choosing moments",
+        _simulated,
+        Exactness.REACHABLE,
+        after=500,
+        work=1_000,
+        share=1 / 64,
+        long_share=1 / 8,
+    ),
+    SearchStrategy(
         "local-times",
         "let each process have a time of its own, where that is sound and seems to save states",
         _over_local_times,
         Exactness.SAME_STATES,
+        after=500,
+        at_once=lambda options: options.local_times is not LocalTimes.AUTO,
+    ),
+    SearchStrategy(
+        "best-first",
+        "explore the states first that are nearest to the goal",
+        _best_first,
+        Exactness.REACHABLE,
+        after=1_000,
+        work=250,
+        share=1 / 64,
+        long_share=1 / 32,
     ),
     SearchStrategy(
         "one-order",
@@ -189,7 +265,9 @@ PORTFOLIO = (
         _depth_first,
         Exactness.REACHABLE,
         after=20_000,
-        explored=1_500,
+        work=5_000,
+        share=1 / 64,
+        long_share=1 / 32,
     ),
 )
-"""The states that are explored within a budget are few beside those that have been stored."""
+"""What is explored within the budgets is little beside the work that has been done."""

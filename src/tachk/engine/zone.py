@@ -21,11 +21,13 @@ from tachk.engine.core_search import (
     transitions_of,
     user_seconds,
 )
+from tachk.engine.exact.exact_run import exact_run
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Statistics, Status
-from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, SearchProblem, ZoneSearch
+from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, GoalSearch, SearchProblem, SearchStrategy
 from tachk.engine.program_image import encode
 from tachk.engine.reduced_statistics import with_orbits
+from tachk.engine.simulated_runs import SimulatedRuns
 
 
 def explore(
@@ -93,12 +95,17 @@ def leads_to(
 
 @dataclass(frozen=True, slots=True)
 class _Ended:
-    """A search that has ended, with its last status and why that is not FINISHED."""
+    """A search that has ended, with its last status and why that is not FINISHED.
 
-    search: ZoneSearch
+    Attributes:
+        attempt: the name of the row of the portfolio, if it has a budget.
+    """
+
+    search: GoalSearch
     status: _core.Status
     reason: str
     statistics: Statistics
+    attempt: str = ""
 
 
 def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
@@ -107,7 +114,7 @@ def _search(program: Program, goals: Sequence[Goal], options: Options, limits: L
     begun = time.perf_counter(), user_seconds()
     problem = SearchProblem(program, goals, options, limits, _explorer(program, goals, options, limits))
     try:
-        ended = _from_portfolio(problem, begun) or _to_the_end(problem.ordinary, begun)
+        ended = _from_portfolio(problem, begun)
     except (MemoryError, OutOfMemoryError) as error:
         # In the midst of a state: the search cannot go on from there.
         reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
@@ -115,34 +122,80 @@ def _search(program: Program, goals: Sequence[Goal], options: Options, limits: L
     return _outcome_of(program, goals, options, ended)
 
 
-def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended | None:
-    """The search that decides, or that was ended from outside; None where the ordinary search has to go on.
-
-    Raises MemoryError and OutOfMemoryError.
-    """
-    program, goals, options, ordinary = problem.program, problem.goals, problem.options, problem.ordinary
-    for strategy in PORTFOLIO:
-        if not strategy.is_allowed(options, problem.limits):
-            continue
-        before = Statistics()
-        if strategy.after is not None:
-            status, reason = run_in_slices(BudgetedSearch(ordinary, stored=strategy.after), begun[0])
-            before = _statistics(ordinary, begun)
-            if status is not _core.Status.STATE_LIMIT:
-                return _Ended(ordinary, status, reason, before)
-        search = strategy.begin(problem)
+def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended:
+    """How the first search ended that decides, or that is stopped. Raises MemoryError and OutOfMemoryError."""
+    options, ordinary = problem.options, problem.ordinary
+    turns = [row for row in PORTFOLIO if row.is_allowed(options, problem.limits)]
+    tried: dict[str, GoalSearch] = {}
+    main = _MainSearch(problem, begun)
+    while turns:
+        strategy = min(turns, key=lambda row: row.first(options))
+        if strategy.first(options) > 0 and (ended := main.run(strategy.after)) is not None:
+            return ended
+        turns.remove(strategy)
+        search = tried.get(strategy.name) or strategy.begin(problem)
         if search is None:
             continue
+        if isinstance(search, _core.LocalExplorer):
+            main.exchange(strategy, search)
+            continue
+        tried[strategy.name] = search
         status, reason = strategy.run(search)
-        if strategy.decides(problem, search, status) and not _doubtful(program, goals, options, search):
-            # The clock of the second search has run since the first one began.
-            both = replace(before, seconds=0.0, user_seconds=0.0).then(_statistics(search, begun))
-            if strategy.explored is not None:
-                status, reason = _core.Status.FINISHED, ""
-            return _Ended(search, status, reason, both)
+        if strategy.decides(problem, search, status) and not _doubtful(problem.program, problem.goals, options, search):
+            return _Ended(search, _core.Status.FINISHED, "", main.then(search), strategy.name)
         if strategy.is_stopped(status, reason):
             return _Ended(ordinary, status, reason, _statistics(ordinary, begun))
-    return None
+        if status is _core.Status.STATE_LIMIT and strategy.share > 0:
+            turns += [row for row in (strategy.later(),) if row.is_allowed(options, problem.limits)]
+    return main.to_the_end()
+
+
+class _MainSearch:
+    """The search that explores all states: the ordinary one, or that over local times as long as nothing stops it.
+
+    Args:
+        begun: the time, and the time in user mode, when the search began.
+    """
+
+    def __init__(self, problem: SearchProblem, begun: tuple[float, float]) -> None:
+        self._problem, self._begun = problem, begun
+        self._search: _core.Explorer | _core.LocalExplorer = problem.ordinary
+        self._row: SearchStrategy | None = None
+
+    def exchange(self, row: SearchStrategy, search: _core.LocalExplorer) -> None:
+        """From now on this search of a row of the portfolio is the main one, and its states are those that count."""
+        self._row, self._search = row, search
+
+    def run(self, effort: int) -> _Ended | None:
+        """Goes on until so much work is done: how the search ended, if it did."""
+        while True:
+            status, reason = run_in_slices(BudgetedSearch(self._search, effort=effort), self._begun[0])
+            if status is _core.Status.STATE_LIMIT:
+                return None
+            if (ended := self._ended(status, reason)) is not None:
+                return ended
+
+    def to_the_end(self) -> _Ended:
+        while True:
+            ended = self._ended(*run_in_slices(self._search, self._begun[0]))
+            if ended is not None:
+                return ended
+
+    def _ended(self, status: _core.Status, reason: str) -> _Ended | None:
+        """The end of the search; None where the ordinary one has to go on in its place."""
+        if self._row is None or self._row.decides(self._problem, self._search, status):
+            return _Ended(self._search, status, reason, _statistics(self._search, self._begun))
+        ordinary = self._problem.ordinary
+        self._row, self._search = None, ordinary
+        if SearchStrategy.is_stopped(status, reason):
+            return _Ended(ordinary, status, reason, _statistics(ordinary, self._begun))
+        return None
+
+    def then(self, other: GoalSearch) -> Statistics:
+        """The work that was done, and that of another search."""
+        # The clock of the second search has run since the first one began.
+        done = replace(_statistics(self._search, self._begun), seconds=0.0, user_seconds=0.0)
+        return done.then(_statistics(other, self._begun))
 
 
 def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> _Ended:
@@ -155,7 +208,7 @@ def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> _Ended:
     return _Ended(explorer, status, reason, _statistics(explorer, begun))
 
 
-def _statistics(search: ZoneSearch, begun: tuple[float, float]) -> Statistics:
+def _statistics(search: GoalSearch, begun: tuple[float, float]) -> Statistics:
     found = replace(statistics_of(search, begun[0]), user_seconds=user_seconds() - begun[1])
     return replace(found, local_times=isinstance(search, _core.LocalExplorer))
 
@@ -166,7 +219,7 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
     fault = None
     if isinstance(search, _core.Explorer):
         fault = fault_of(program, search) if ended.status is _core.Status.FAULT else None
-    if not isinstance(search, _core.LocalExplorer) or search.permutes():
+    if isinstance(search, _core.Explorer) or (isinstance(search, _core.LocalExplorer) and search.permutes()):
         statistics = with_orbits(statistics, program)
     outcomes = tuple(goal_outcome(program, search, number, goal, ended.status) for number, goal in enumerate(goals))
     outcomes = _noted(goals, outcomes)
@@ -174,21 +227,33 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
     if fault is None:
         fault = next((o.fault for g, o in zip(goals, outcomes, strict=True) if g.decides and o.fault is not None), None)
         reason = reason or (RUN_TIME_ERROR if fault is not None else "")
-    outcome = Outcome(outcomes, statistics, reason, fault, exact=not program.has_stopwatches)
-    return outcome, _doubtful(program, goals, options, search)
+    exact = not program.has_stopwatches
+    outcome = Outcome(outcomes, statistics, reason, fault, exact, ended.attempt)
+    return outcome, [] if ended.attempt else _doubtful(program, goals, options, search)
 
 
-def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: ZoneSearch) -> list[int]:
+def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: GoalSearch) -> list[int]:
     """The goals that a search has reached, maybe only seemingly: those that a replay does not confirm."""
+    everybody = replace(program, interchangeable=())
+    if isinstance(search, SimulatedRuns):
+        found = [number for number, _ in enumerate(goals) if search.reached(number) is not None]
+        return [n for n in found if not _is_run(everybody, goals, options, search.path_to_goal(n), n)]
     if options.extrapolation.keeps_deadlocks or isinstance(search, _core.LocalExplorer):
         return []
-    everybody = replace(program, interchangeable=())
     doubtful = []
     for number, goal in enumerate(goals):
         if goal.asks_deadlock and search.reached(number) is not None:
             if not leads_to(everybody, goals, options, search.path_to_goal(number), number):
                 doubtful.append(number)
     return doubtful
+
+
+def _is_run(
+    program: Program, goals: Sequence[Goal], options: Options, actions: Sequence[Sequence[int]], goal: int
+) -> bool:
+    """True if the judge of runs accepts the path with its earliest times; where it knows no rule, if zones do."""
+    times, _ = exact_run(program, goals[goal], actions)
+    return times is not None or leads_to(program, goals, options, actions, goal)
 
 
 def _explorer(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> _core.Explorer:
@@ -224,7 +289,7 @@ def _noted(goals: Sequence[Goal], outcomes: tuple[GoalOutcome, ...]) -> tuple[Go
 
 def goal_outcome(
     program: Program,
-    search: ZoneSearch,
+    search: GoalSearch,
     number: int,
     goal: Goal,
     status: _core.Status,
@@ -232,6 +297,8 @@ def goal_outcome(
     """The outcome of a search, which ended with a status, for a goal."""
     if isinstance(search, _core.LocalExplorer):
         actions, fault = search.path_to_goal(number), None
+    elif isinstance(search, SimulatedRuns):
+        actions, fault = None if search.reached(number) is None else search.path_to_goal(number), None
     else:
         actions = None if search.reached(number) is None else search.path_to_goal(number)
         fault = None if actions is not None else fault_of_goal(program, search, number)

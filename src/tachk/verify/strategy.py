@@ -225,7 +225,9 @@ def _found(strategy: Strategy, problem: Problem) -> Findings:
     except StoppedError as stopped:
         found = Findings(none_begun(problem.tasks, stopped.reason))
     named = {
-        number: verdict if verdict.answer is Answer.UNKNOWN else replace(verdict, strategy=strategy.name)
+        number: verdict
+        if verdict.answer is Answer.UNKNOWN
+        else replace(verdict, strategy=verdict.strategy or strategy.name)
         for number, verdict in found.verdicts.items()
     }
     return replace(found, verdicts=named)

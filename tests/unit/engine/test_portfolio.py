@@ -37,10 +37,10 @@ process P(const id_t me) {
 system P;
 """
 STORED = 20_000
-"""So many states are stored before the first attempt."""
+"""So much work is done before the first of the other attempts."""
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
-ALL_STATES = Options().off("unblocked", "sliced", "symmetry", "local-times")
+ALL_STATES = Options().off("unblocked", "sliced", "symmetry", "local-times", "simulated", "best-first")
 
 
 def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = None) -> Verdict:
@@ -51,7 +51,8 @@ def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = N
 def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     found = verdict(REACHED)
     assert found.answer is Answer.HOLDS
-    assert STORED <= found.statistics.states_stored < STORED + 2000
+    assert STORED / 2 < found.statistics.states_stored < STORED
+    assert found.strategy == "probe"
     assert found.trace is not None
     more = Limits(states=3 * STORED)
     assert verdict(REACHED, ALL_STATES.off("attempts"), more).answer is Answer.UNKNOWN
@@ -133,20 +134,23 @@ def test_a_deadlock_that_only_seems_to_be_found_does_not_count(monkeypatch: pyte
 
 def test_what_is_not_found_depth_first_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     with_search_budgets(monkeypatch, after=100)
-    with_search_budgets(monkeypatch, "probe", explored=10)
+    with_search_budgets(monkeypatch, "probe", work=10, share=0.0)
     assert verdict(REACHED, limits=Limits(states=2000)).answer is Answer.UNKNOWN
     assert verdict(NEVER, limits=Limits(states=2000)).answer is Answer.UNKNOWN
 
 
 def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
     with_search_budgets(monkeypatch, after=100)
-    with_search_budgets(monkeypatch, "probe", explored=10**9)
+    with_search_budgets(monkeypatch, "probe", work=10**9)
     found = verdict(NEVER, limits=Limits(seconds=0.3))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, "time limit")
 
 
 class Interrupted:
     """A search in which Ctrl-C comes at once."""
+
+    def effort(self) -> int:
+        return 0
 
     def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:
         raise KeyboardInterrupt
@@ -155,11 +159,11 @@ class Interrupted:
         return None
 
 
-@pytest.mark.parametrize("name", ["one-order", "probe"])
+@pytest.mark.parametrize("name", ["best-first", "one-order", "probe"])
 def test_ctrl_c_in_an_attempt_ends_the_search(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     with_search_budgets(monkeypatch, after=100)
     with_search_budgets(monkeypatch, name, begin=lambda problem: Interrupted())
-    found = verdict(NEVER, limits=Limits(states=2000))
+    found = verdict(NEVER, ALL_STATES.on("best-first"), Limits(states=2000))
     assert (found.answer, found.reason) == (Answer.UNKNOWN, INTERRUPTED)
 
 
@@ -208,13 +212,16 @@ class Counting:
         self.explored = min(self.explored + expansions, 1000)
         return _core.Status.FINISHED if self.explored == 1000 else _core.Status.RUNNING
 
+    def effort(self) -> int:
+        return 2 * self.explored
+
     def statistics(self) -> tuple[int, int, int, int]:
         return self.explored, 2 * self.explored, 0, 0
 
 
 @pytest.mark.parametrize("size", [1, 7, 64, 100, 10**6])
 def test_a_segment_is_the_same_however_it_is_divided(size: int) -> None:
-    for bound, explored in [({"explored": 100}, 100), ({"stored": 300}, 192), ({"stored": 10**6}, 1000)]:
+    for bound, explored in [({"explored": 100}, 100), ({"effort": 300}, 191), ({"effort": 10**6}, 1000)]:
         search = Counting()
         stretch = portfolio.BudgetedSearch(search, **bound)
         while (status := stretch.run(size)) is _core.Status.RUNNING:
@@ -227,15 +234,20 @@ def test_a_segment_is_the_same_however_it_is_divided(size: int) -> None:
 def test_no_verdict_changes(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where attempts begin with the first states, and are short or long. Runs are replayed."""
     with_search_budgets(monkeypatch, after=2)
-    with_search_budgets(monkeypatch, "probe", explored=3 if seed % 2 else 1000)
+    with_search_budgets(monkeypatch, "probe", work=3 if seed % 2 else 1000)
+    with_search_budgets(monkeypatch, "best-first", work=3 if seed % 2 else 1000)
     assert compare_verdicts(random_questions(seed), {"default": BY_DEFAULT}).problems == ()
 
 
-@pytest.mark.parametrize("name", ["local-times", "one-order", "probe"])
+NAMES = [strategy.name for strategy in portfolio.PORTFOLIO]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_each_search_can_be_switched_off(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     begun = []
     with_search_budgets(monkeypatch, after=100)
     for strategy in portfolio.PORTFOLIO:
         with_search_budgets(monkeypatch, strategy.name, begin=lambda problem, own=strategy.name: begun.append(own))
+    with_search_budgets(monkeypatch, "local-times", after=100)
     assert verdict(REACHED, Options().off("unblocked", "sliced", "symmetry", name), Limits(states=300)).reason
-    assert begun == [other for other in ("local-times", "one-order", "probe") if other != name]
+    assert begun == [other for other in NAMES if other != name]

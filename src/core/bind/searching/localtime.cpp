@@ -50,6 +50,7 @@ void bind_localtime(nb::module_& m) {
             return std::make_tuple(s.explored, s.stored, s.transitions, s.bytes);
           },
           "(explored, stored, transitions, bytes)")
+      .def("effort", &LocalExplorer::effort, "The work so far, in states of a small network that would take as long.")
       .def("discrete_states", &LocalExplorer::discrete_states, "How many discrete states have been seen.")
       .def("permutes", &LocalExplorer::permutes, "True if interchangeable processes are permuted.")
       .def("path_to_goal", &LocalExplorer::path_to_goal, nb::arg("goal"),
