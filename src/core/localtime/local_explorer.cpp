@@ -132,8 +132,11 @@ std::uint64_t LocalExplorer::effort() const {
   return passed_.stored() + transitions_ * dimension * dimension / entries_as_long;
 }
 
-std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
-  if (goals_.node(goal) == no_node) return std::nullopt;
+std::optional<std::uint32_t> LocalExplorer::reached(std::size_t goal) const {
+  return goals_.node(goal) == no_node ? std::nullopt : std::optional(goals_.node(goal));
+}
+
+Path LocalExplorer::path_to_goal(std::size_t goal) {
   Path actions;
   for (std::uint32_t node = goals_.node(goal); passed_.parent(node) != no_node; node = passed_.parent(node))
     actions.push_back(actions_.of(node));
@@ -142,7 +145,7 @@ std::optional<Path> LocalExplorer::path_to_goal(std::size_t goal) {
   symbolic::Semantics& semantics = graph_.ordinary().semantics();
   for (const program::Disjunct& disjunct : graph_.program().goals[goal].disjuncts)
     for (const program::Condition& end : ends(disjunct, actions))
-      if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, end)) return ordered;
+      if (auto ordered = in_order_of_time(semantics, graph_.agents(), actions, end)) return *std::move(ordered);
   throw std::logic_error("no times are right for a run over local times");
 }
 

@@ -76,8 +76,10 @@ class LocalExplorer final {
   std::uint32_t discrete_states() const { return passed_.discrete_states(); }
   // True if interchangeable processes are permuted.
   bool permutes() { return graph_.symmetry().active(); }
-  // The actions of a run of the network to a goal that has been reached; none if it has not.
-  std::optional<symbolic::Path> path_to_goal(std::size_t goal);
+  // The node in which a goal was reached.
+  std::optional<std::uint32_t> reached(std::size_t goal) const;
+  // The actions of a run of the network to a goal that has been reached.
+  symbolic::Path path_to_goal(std::size_t goal);
 
  private:
   reachability::Status search(std::uint64_t expansions);

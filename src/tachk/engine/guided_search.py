@@ -53,7 +53,7 @@ def explore_along(
         if goal.status is Status.REACHED and goal.path is not None and outcome.exact:
             actions = _actions(whole.edges, goal.path)
             if leads_to(whole, whole_goals, options, actions, 0):
-                return Outcome((replace(goal, actions=actions),), statistics)
+                return Outcome((goal,), statistics)
         if goal.status is Status.UNREACHABLE or reason == INTERRUPTED:
             break
     return Outcome((GoalOutcome(Status.UNDECIDED),), statistics, reason)

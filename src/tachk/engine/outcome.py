@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
+from functools import cached_property
+from typing import overload
 
 from tachk.base.records import dataclass
 from tachk.model.expressions import Expression
@@ -61,18 +63,55 @@ class Status(StrEnum):
     UNDECIDED = "undecided"
 
 
+class FoundPath(Sequence[Transition]):
+    """The transitions of a path, worked out when they are looked at: there may be millions, of which none is shown.
+
+    Args:
+        actions: finds the numbers of the edges of each transition.
+        transitions: makes transitions of them.
+    """
+
+    def __init__(
+        self,
+        actions: Callable[[], Sequence[Sequence[int]]],
+        transitions: Callable[[Sequence[Sequence[int]]], tuple[Transition, ...]],
+    ) -> None:
+        self._find, self._transitions_of = actions, transitions
+
+    @cached_property
+    def actions(self) -> Sequence[Sequence[int]]:
+        return self._find()
+
+    @cached_property
+    def transitions(self) -> tuple[Transition, ...]:
+        return self._transitions_of(self.actions)
+
+    @overload
+    def __getitem__(self, number: int) -> Transition: ...
+    @overload
+    def __getitem__(self, number: slice) -> tuple[Transition, ...]: ...
+    def __getitem__(self, number: int | slice) -> Transition | tuple[Transition, ...]:
+        return self.transitions[number]
+
+    def __len__(self) -> int:
+        return len(self.transitions)
+
+
 @dataclass(frozen=True, slots=True)
 class GoalOutcome:
     """Attributes:
     path: the transitions from the initial state to a state of the goal, where it was REACHED.
-    actions: the same by the numbers of the edges of the program; None from engines that run no program.
     fault: the run-time error in the predicate of the goal that has left it UNDECIDED, whatever became of others.
     """
 
     status: Status
-    path: tuple[Transition, ...] | None = None
-    actions: Sequence[Sequence[int]] | None = None
+    path: Sequence[Transition] | None = None
     fault: RunTimeFault | None = None
+
+    @property
+    def actions(self) -> Sequence[Sequence[int]] | None:
+        """The path by the numbers of the edges of the program; None from engines that run no program."""
+        return self.path.actions if isinstance(self.path, FoundPath) else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
@@ -23,7 +24,7 @@ from tachk.engine.core_search import (
 )
 from tachk.engine.exact.exact_run import exact_run
 from tachk.engine.options import Extrapolation, Limits, Options
-from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, GoalOutcome, Outcome, Statistics, Status
+from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, FoundPath, GoalOutcome, Outcome, Statistics, Status
 from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, GoalSearch, SearchProblem, SearchStrategy
 from tachk.engine.program_image import encode
 from tachk.engine.reduced_statistics import with_orbits
@@ -295,17 +296,12 @@ def goal_outcome(
     status: _core.Status,
 ) -> GoalOutcome:
     """The outcome of a search, which ended with a status, for a goal."""
-    if isinstance(search, _core.LocalExplorer):
-        actions, fault = search.path_to_goal(number), None
-    elif isinstance(search, SimulatedRuns):
-        actions, fault = None if search.reached(number) is None else search.path_to_goal(number), None
-    else:
-        actions = None if search.reached(number) is None else search.path_to_goal(number)
-        fault = None if actions is not None else fault_of_goal(program, search, number)
-    if actions is not None:
+    if search.reached(number) is not None:
         if not goal.decides:
             return GoalOutcome(Status.REACHED)
-        return GoalOutcome(Status.REACHED, transitions_of(program, actions), actions)
+        path = FoundPath(partial(search.path_to_goal, number), partial(transitions_of, program))
+        return GoalOutcome(Status.REACHED, path)
+    fault = fault_of_goal(program, search, number) if isinstance(search, _core.Explorer) else None
     if fault is not None:
         return GoalOutcome(Status.UNDECIDED, fault=fault)
     return GoalOutcome(Status.UNREACHABLE if status is _core.Status.FINISHED else Status.UNDECIDED)

@@ -343,7 +343,7 @@ class ExtremeSearch:
             raise UndecidedExtremeError(outcome.reason, outcome.fault)
         if goal.path is not None and not outcome.exact and concretise(prepare(self.network), goal.path, target) is None:
             raise UndecidedExtremeError(INEXACT)
-        return goal.path
+        return None if goal.path is None else tuple(goal.path)
 
     def _note(self, outcome: Outcome) -> None:
         self.exact = self.exact and outcome.exact

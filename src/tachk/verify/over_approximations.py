@@ -151,7 +151,7 @@ def _searched(problem: Problem, relaxing: Relaxing) -> Findings:
         if goal.status is Status.UNREACHABLE
     }
     found = {
-        task.number: ReachedInAbstraction(approximation, goal.path, statistics)
+        task.number: ReachedInAbstraction(approximation, tuple(goal.path), statistics)
         for task, goal in of_targets
         if goal.status is Status.REACHED and goal.path is not None and outcome.exact
     }

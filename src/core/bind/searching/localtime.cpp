@@ -53,8 +53,9 @@ void bind_localtime(nb::module_& m) {
       .def("effort", &LocalExplorer::effort, "The work so far, in states of a small network that would take as long.")
       .def("discrete_states", &LocalExplorer::discrete_states, "How many discrete states have been seen.")
       .def("permutes", &LocalExplorer::permutes, "True if interchangeable processes are permuted.")
+      .def("reached", &LocalExplorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
       .def("path_to_goal", &LocalExplorer::path_to_goal, nb::arg("goal"),
-           "The edge numbers of each action of a run to a goal, in the order of time; None if it was not reached.");
+           "The edge numbers of each action of a run to a goal that has been reached, in the order of time.");
 }
 
 }  // namespace tachk::bind

@@ -354,12 +354,12 @@ def _reached(answer: _SearchOutcome) -> Reached | None:
     found = answer.found if answer.accepted else answer.furthest
     if found is None:
         return None
-    path, actions = found.path or (), found.actions or ()
+    path, actions = tuple(found.path or ()), found.actions or ()
     return Reached(answer.component, answer.product, answer.streams, answer.program, path, actions)
 
 
 def _run(answer: _SearchOutcome, exact: bool) -> ConformingRun:
-    found, path = answer.found, answer.found.path or ()
+    found, path = answer.found, tuple(answer.found.path or ())
     if not exact:
         return ConformingRun(answer.product, path, None)
     moments = moments_of_run(answer.product, answer.program, answer.goal, found.actions or (), path)
