@@ -96,6 +96,12 @@ class FoundPath(Sequence[Transition]):
     def __len__(self) -> int:
         return len(self.transitions)
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self.transitions == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(self.transitions)
+
 
 @dataclass(frozen=True, slots=True)
 class GoalOutcome:
@@ -122,7 +128,7 @@ class Outcome:
         ``"interrupted"``, ``"run-time error"``; empty otherwise.
     fault: what the run-time error was that ended the search; without such, that of the first goal that has one.
     exact: False if the set of states was over-approximated (stopwatches): then REACHED needs a replayed trace.
-    attempt: the search of the portfolio that has found a run; empty: the one that explores all states.
+    found_by: the search of the portfolio that has found a run; empty: the one that explores all states.
     """
 
     goals: tuple[GoalOutcome, ...]
@@ -130,7 +136,7 @@ class Outcome:
     reason: str = ""
     fault: RunTimeFault | None = None
     exact: bool = True
-    attempt: str = ""
+    found_by: str = ""
 
 
 @dataclass(frozen=True, slots=True)

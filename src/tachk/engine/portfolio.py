@@ -79,14 +79,14 @@ class SearchStrategy:
     pays: Callable[[GoalSearch, int], bool] = lambda search, explored: True
 
     @property
-    def is_attempt(self) -> bool:
+    def is_bounded(self) -> bool:
         """True if it has a budget."""
         return self.explored is not None or self.work is not None
 
     def is_allowed(self, options: Options, limits: Limits) -> bool:
         if self.name in options.without:
             return False
-        if not self.is_attempt:
+        if not self.is_bounded:
             return True
         of_use = limits.states is None or limits.states > self.after
         free = options.order is SearchOrder.AUTO and not options.shortest
@@ -142,6 +142,8 @@ class BudgetedSearch:
         self._search, self._effort, self._left = search, effort, explored
         self._until_check = 0
         self._step = 1
+        self.is_used_up = False
+        """Whether the budget has ended it, and not a limit of the search."""
 
     def run(
         self, expansions: int, seconds: float | None = None, poll: Callable[[], None] | None = None
@@ -149,6 +151,7 @@ class BudgetedSearch:
         end = None if seconds is None else time.perf_counter() + seconds
         while expansions > 0:
             if self._left == 0 or self._is_full():
+                self.is_used_up = True
                 return _core.Status.STATE_LIMIT
             step = min(self._until_check, expansions, *(() if self._left is None else (self._left,)))
             status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0), poll)

@@ -13,14 +13,12 @@ from itertools import cycle
 from tachk import _core
 from tachk.base.job import current_job
 from tachk.base.records import dataclass
+from tachk.engine.chances_image import chances_image
 from tachk.engine.compiler.program import Chances, Comparison, Computed, Goal, Program, ProgramEdge, Test, Update
 from tachk.engine.program_image import encode
-from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, chances_image
-from tachk.engine.simulation.trials import Reach, TrialAnswer, TrialQuestion, core_question
 
 _SEED = 1
-_POLICIES = (Policy.EARLIEST, Policy.UNIFORM, Policy.LATEST, Policy.STOCHASTIC)
+_POLICIES = (_core.Policy.EARLIEST, _core.Policy.UNIFORM, _core.Policy.LATEST, _core.Policy.STOCHASTIC)
 """In turn. Uniform and stochastic runs differ where weights and rates do, and where invariants allow to wait longer."""
 _TRANSITIONS_OF_A_STATE = 8
 """So many transitions take as long as it takes to explore a state."""
@@ -30,7 +28,7 @@ _LEAST_STEPS = 500
 
 @dataclass(frozen=True, slots=True)
 class _FoundRun:
-    policy: Policy
+    policy: _core.Policy
     number: int
     transitions: int
 
@@ -44,8 +42,8 @@ class SimulatedRuns:
 
     def __init__(self, program: Program, goals: Sequence[Goal]) -> None:
         edges = tuple(map(_without_rest, program.edges))
-        apart = replace(program, interchangeable=(), edges=edges)
-        self._core = _core.Simulation(encode(apart, goals), list(chances_image(_equal_chances(program))))
+        searched = replace(program, interchangeable=(), edges=edges)
+        self._core = _core.Simulation(encode(searched, goals), list(chances_image(_equal_chances(program))))
         self._goals = [number for number, goal in enumerate(goals) if goal.decides]
         self._found: dict[int, _FoundRun] = {}
         self._numbers = dict.fromkeys(_POLICIES, 0)
@@ -68,13 +66,15 @@ class SimulatedRuns:
     def _open(self) -> int | None:
         return next((goal for goal in self._goals if goal not in self._found), None)
 
-    def _draw(self, goal: int, policy: Policy, steps: int) -> None:
+    def _draw(self, goal: int, policy: _core.Policy, steps: int) -> None:
         number = self._numbers[policy]
         self._numbers[policy] += 1
+        question = _core.RunQuestion()
+        question.goal = goal
         trials = _core.trials(
             self._core,
-            core_question(TrialQuestion(Reach(), goal)),
-            policy=_core.Policy[policy.name],
+            question,
+            policy=policy,
             seed=_SEED,
             first=number,
             runs=1,
@@ -82,9 +82,9 @@ class SimulatedRuns:
             most_steps=steps,
             check=current_job().check,
         )
-        taken = int(trials.transitions()[0])
+        is_reached, taken = trials.trial(0)
         self._transitions += max(taken, 1)
-        if trials.answers()[0] == TrialAnswer.YES:
+        if is_reached:
             self._found[goal] = _FoundRun(policy, number, taken)
 
     @property
@@ -101,12 +101,12 @@ class SimulatedRuns:
         """The actions of the run that was found, by the edges of the program. Raises StoppedError."""
         found = self._found[goal]
         (record,) = self._core.run(
-            policy=_core.Policy[found.policy.name],
+            policy=found.policy,
             seed=_SEED,
             first=found.number,
             runs=1,
             until=_core.latest_end(),
-            ticks_per_unit=TICKS_PER_UNIT,
+            ticks_per_unit=_core.finest_ticks(),
             steps=found.transitions,
             threads=1,
             actions=True,
@@ -114,11 +114,7 @@ class SimulatedRuns:
             clocks=False,
             check=current_job().check,
         )
-        edges, path, first = record.edges().tolist(), [], 0
-        for size in record.sizes()[1 : found.transitions + 1].tolist():
-            path.append(edges[first : first + size])
-            first += size
-        return path
+        return record.path()[: found.transitions]
 
     def failure(self, goal: int) -> None:
         return None

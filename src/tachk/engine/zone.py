@@ -99,14 +99,14 @@ class _Ended:
     """A search that has ended, with its last status and why that is not FINISHED.
 
     Attributes:
-        attempt: the name of the row of the portfolio, if it has a budget.
+        name: of the row of the portfolio, if it has a budget.
     """
 
     search: GoalSearch
     status: _core.Status
     reason: str
     statistics: Statistics
-    attempt: str = ""
+    name: str = ""
 
 
 def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
@@ -138,7 +138,7 @@ def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ende
         if search is None:
             continue
         if isinstance(search, _core.LocalExplorer):
-            main.exchange(strategy, search)
+            main.continue_with(strategy, search)
             continue
         tried[strategy.name] = search
         status, reason = strategy.run(search)
@@ -163,15 +163,16 @@ class _MainSearch:
         self._search: _core.Explorer | _core.LocalExplorer = problem.ordinary
         self._row: SearchStrategy | None = None
 
-    def exchange(self, row: SearchStrategy, search: _core.LocalExplorer) -> None:
+    def continue_with(self, row: SearchStrategy, search: _core.LocalExplorer) -> None:
         """From now on this search of a row of the portfolio is the main one, and its states are those that count."""
         self._row, self._search = row, search
 
     def run(self, effort: int) -> _Ended | None:
         """Goes on until so much work is done: how the search ended, if it did."""
         while True:
-            status, reason = run_in_slices(BudgetedSearch(self._search, effort=effort), self._begun[0])
-            if status is _core.Status.STATE_LIMIT:
+            part = BudgetedSearch(self._search, effort=effort)
+            status, reason = run_in_slices(part, self._begun[0])
+            if part.is_used_up:
                 return None
             if (ended := self._ended(status, reason)) is not None:
                 return ended
@@ -229,8 +230,8 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
         fault = next((o.fault for g, o in zip(goals, outcomes, strict=True) if g.decides and o.fault is not None), None)
         reason = reason or (RUN_TIME_ERROR if fault is not None else "")
     exact = not program.has_stopwatches
-    outcome = Outcome(outcomes, statistics, reason, fault, exact, ended.attempt)
-    return outcome, [] if ended.attempt else _doubtful(program, goals, options, search)
+    outcome = Outcome(outcomes, statistics, reason, fault, exact, ended.name)
+    return outcome, [] if ended.name else _doubtful(program, goals, options, search)
 
 
 def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: GoalSearch) -> list[int]:

@@ -146,7 +146,7 @@ def verdict_of(
         return replace(
             verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(watched.network, reduced.network)
         )
-    verdict = replace(verdict, strategy=outcome.attempt)
+    verdict = replace(verdict, strategy=outcome.found_by)
     if not trace and outcome.exact:
         return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(watched.network, reduced.network))
     run, possible = witness(reduced, goal.path or (), task.target, outcome.exact, repr(task.query.text))

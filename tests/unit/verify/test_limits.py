@@ -90,7 +90,7 @@ def test_a_machine_out_of_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch
         reached=lambda _: None,
         failure=lambda _: None,
         statistics=lambda: (0, 0, 0, 0),
-        threads=lambda: 1,
+        effort=lambda: 0,
     )
     monkeypatch.setattr(zone, "_explorer", lambda *_: explorer)
     text = "process P() { init location A; } system P; property Q : A[] P.A;"

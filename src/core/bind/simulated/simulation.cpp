@@ -42,6 +42,17 @@ std::vector<RunRecord> run_interruptibly(const Simulation& simulation, simulatio
   return records;
 }
 
+std::vector<std::vector<std::uint32_t>> path_of(const RunRecord& record) {
+  std::vector<std::vector<std::uint32_t>> path;
+  auto next = record.edges.begin();
+  for (std::size_t number = 1; number < record.sizes.size(); ++number) {
+    if (record.sizes[number] == 0) continue;  // only time passes
+    path.emplace_back(next, next + record.sizes[number]);
+    next += record.sizes[number];
+  }
+  return path;
+}
+
 void bind_run_record(nb::module_& m) {
   nb::class_<RunRecord>(m, "RunRecord", "A run that has been simulated; times are in ticks.")
       .def_ro("ending", &RunRecord::ending)
@@ -53,6 +64,7 @@ void bind_run_record(nb::module_& m) {
           "(kind, code position) of the run-time error of a run with the ending FAULT.")
       .def("times", shown<&RunRecord::times>, "Of the initial state and of each transition.")
       .def("sizes", shown<&RunRecord::sizes>, "How many edges each action has; the initial one none.")
+      .def("path", &path_of, "The numbers of the edges of each transition.")
       .def("edges", shown<&RunRecord::edges>, "The numbers of these edges, one action after the other.")
       .def("observed", shown<&RunRecord::observed>,
            "The observed values, row by row; floating point numbers as their bits.")

@@ -98,6 +98,13 @@ void bind_trials(nb::module_& m) {
           [](const Trials& self) { return self.column<double>([](const Trial& trial) { return trial.measured; }); },
           "The extreme value of what is measured.")
       .def(
+          "trial",
+          [](const Trials& self, std::size_t number) {
+            const Trial& trial = self.trials.at(number);
+            return std::make_tuple(trial.answer == simulation::Answered::yes, trial.transitions);
+          },
+          nb::arg("number"), "(whether the goal is reached, how many transitions it has), of one run.")
+      .def(
           "fault",
           [](const Trials& self, std::size_t number) {
             const Trial& trial = self.trials.at(number);

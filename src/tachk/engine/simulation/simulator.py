@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from enum import StrEnum
 from fractions import Fraction
 
@@ -15,7 +14,8 @@ from tachk.base.job import check_job, current_job
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Span
-from tachk.engine.compiler.program import Chances, Computed, HybridClocks, Program
+from tachk.engine.chances_image import chances_image
+from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.core_search import site_of, transition_of
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.policy import Policy
@@ -210,40 +210,3 @@ class Simulator:
                 check_job()
             yield transition_of(self._program, edges[first : first + size]) if size else None
             first += size
-
-
-def chances_image(chances: Chances) -> Iterator[int]:
-    """The numbers that `src/core/flow/chances.cpp` reads."""
-    for rates in chances.rates:
-        yield from _numbers(rates)
-    for choice, weight in zip(chances.choices, chances.weights, strict=True):
-        yield choice
-        yield from _number(weight)
-    yield from _hybrid(chances.hybrid)
-    yield from (len(chances.starts), *chances.starts)
-    yield from _numbers(chances.observed)
-
-
-def _hybrid(clocks: HybridClocks) -> Iterator[int]:
-    yield from (len(clocks.slots), *clocks.slots)
-    if not clocks.slots:
-        return
-    for rates in (rates for process in clocks.rates for rates in process):
-        yield len(rates)
-        for rate in rates:
-            yield from (rate.clock, int(rate.varies), *_number(rate.rate))
-    yield from (len(clocks.reads), *clocks.reads)
-
-
-def _numbers(numbers: Sequence[Computed]) -> Iterator[int]:
-    for number in numbers:
-        yield from _number(number)
-
-
-def _number(number: Computed) -> tuple[int, int]:
-    if number.slot >= 0:
-        return 3, number.slot
-    if number.code >= 0:
-        return 2 if number.floating else 1, number.code
-    bits = struct.unpack("<q", struct.pack("<d", number.constant))[0]
-    return 0 if number.floating else 4, bits

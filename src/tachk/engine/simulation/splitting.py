@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from tachk import _core
 from tachk.base.job import current_job
 from tachk.base.records import dataclass
+from tachk.engine.chances_image import chances_image
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.program_image import encode
-from tachk.engine.simulation.simulator import chances_image
 from tachk.engine.simulation.trials import TrialQuestion, core_question
 
 

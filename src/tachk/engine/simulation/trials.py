@@ -11,11 +11,12 @@ from tachk import _core
 from tachk.base.job import current_job
 from tachk.base.records import dataclass
 from tachk.base.span import Span
+from tachk.engine.chances_image import chances_image
 from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.core_search import site_of
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding, chances_image
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding
 from tachk.model.fault import RuntimeErrorKind
 
 _ENDINGS = [SimulationEnding[ending.name] for ending in _core.Ending]

@@ -7,8 +7,8 @@ import hashlib
 import struct
 
 from tachk.base.records import dataclass
+from tachk.engine.chances_image import chances_image
 from tachk.engine.program_image import encode
-from tachk.engine.simulation.simulator import chances_image
 from tachk.simulation.fmi.unit import CoSimulationUnit
 
 NAME = "network.bin"
