@@ -10,7 +10,6 @@ from pathlib import Path
 from bench.processes import finished, tachk
 
 ROOT = Path(__file__).resolve().parents[1]
-MODELS = ROOT / "models"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +32,7 @@ class OurFamily:
     """A model of this project in which a constant gives the size.
 
     Attributes:
-        model: its path below models/.
+        model: its path.
         constant: the one that gives the size.
         asked: the property.
         sizes: those of a run that names none, from the smallest up.
@@ -45,13 +44,13 @@ class OurFamily:
     sizes: tuple[int, ...]
 
     def instance(self, size: int, folder: Path, *, exported: bool) -> Instance:
-        model = str(MODELS / self.model)
+        model = str(ROOT / self.model)
         definition = f"{self.constant}={size}"
         ours = (model, "-D", definition, "--property", self.asked)
         if not exported:
             return Instance(ours, None, None)
         network = folder / f"{Path(self.model).stem}_{size}.tck"
-        export = tachk("export", model, "-D", definition, "-o", str(network))
+        export = tachk("convert", model, "-D", definition, "-o", str(network))
         finished(export, statuses=(0, 2, 3), told=False)  # or TChecker has no words for something
         if not network.exists():
             return Instance(ours, None, None)
@@ -85,15 +84,21 @@ class TheirFamily:
 
 
 OURS = {
-    "fischer": OurFamily("classics/fischer.ta", "N", "mutual_exclusion", (7, 8, 9, 10)),
-    "csma_cd": OurFamily("classics/csma_cd.ta", "N", "collision_noticed", (8, 9, 10, 11)),
-    "train_gate": OurFamily("classics/train_gate.ta", "N", "one_at_a_time", (6, 7, 8)),
-    "fddi": OurFamily("classics/fddi.ta", "N", "one_sender", (8, 14, 30, 50)),
-    "dining": OurFamily("classics/dining_philosophers.ta", "N", "neighbours", (5, 6, 7)),
-    "critical_region": OurFamily("classics/critical_region.ta", "N", "exclusive", (3, 4, 5)),
-    "brp": OurFamily("classics/brp.ta", "N", "no_failure", (8, 16)),
-    "client_3_0": OurFamily("micro_xrce_dds/client_3_0.ta", "LOSSES", "ECFS", (0, 1)),
-    "publication": OurFamily("micro_xrce_dds/publication.ta", "LOSSES", "RMIO", (0, 1)),
+    "fischer": OurFamily("models/classics/fischer.ta", "N", "mutual_exclusion", (7, 8, 9, 10)),
+    "csma_cd": OurFamily("models/classics/csma_cd.ta", "N", "collision_noticed", (8, 9, 10, 11)),
+    "train_gate": OurFamily("models/classics/train_gate.ta", "N", "one_at_a_time", (6, 7, 8)),
+    "fddi": OurFamily("models/classics/fddi.ta", "N", "one_sender", (8, 14, 30, 50)),
+    "dining": OurFamily("models/classics/dining_philosophers.ta", "N", "neighbours", (5, 6, 7)),
+    "critical_region": OurFamily("models/classics/critical_region.ta", "N", "exclusive", (3, 4, 5)),
+    "brp": OurFamily("models/classics/brp.ta", "N", "no_failure", (8, 16)),
+    "client_3_0": OurFamily("models/micro_xrce_dds/client_3_0.ta", "LOSSES", "ECFS", (0, 1)),
+    "publication": OurFamily("models/micro_xrce_dds/publication.ta", "LOSSES", "RMIO", (0, 1)),
+    # Guards that hold at single moments, in the shapes of TARZAN's benchmark: one run decides.
+    "gates": OurFamily("bench/models/gates.ta", "N", "opens", (6, 8, 10, 16)),
+    "flower": OurFamily("bench/models/flower.ta", "N", "together", (6, 8, 10, 12)),
+    "ring": OurFamily("bench/models/ring.ta", "N", "together", (6, 8, 10, 12)),
+    "switches": OurFamily("bench/models/switches.ta", "N", "together", (8, 12, 16)),
+    "independent": OurFamily("bench/models/independent.ta", "N", "all_done", (12, 25, 50, 100, 200)),
 }
 """By name, for tables and for the command line."""
 
