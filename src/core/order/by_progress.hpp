@@ -30,7 +30,7 @@ class ByProgress final : public Order {
   }
 
   Progress progress_;
-  Buckets waiting_;         // by how far the states have come
+  Buckets waiting_;        // by how far the states have come
   std::uint32_t far_ = 0;  // of the state taken last
   std::vector<std::int32_t> locations_;
 };
