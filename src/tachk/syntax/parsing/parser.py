@@ -7,7 +7,7 @@ whether anything else is worth reporting first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,6 +17,7 @@ from tachk.base.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.contextual import resolve_document, resolve_fragment, resolve_query
 from tachk.syntax.parsing.depth import bracket_errors, nesting_errors
+from tachk.syntax.parsing.documentation import documented, lost_documentation
 from tachk.syntax.parsing.driver import drive
 from tachk.syntax.parsing.old_precedence import regrouped
 from tachk.syntax.parsing.strict import additions
@@ -162,6 +163,7 @@ def parse_document(
         return None, diagnostics
     span = Span(source, 0, len(source.text))
     document = ast.Document(span, items, _comments_beside(items, lexed), legacy)
+    diagnostics += lost_documentation(document)
     if strict_xta:
         diagnostics += additions(document)
     return document, diagnostics
@@ -296,8 +298,8 @@ def comments_within(span: Span) -> tuple[ast.Comment, ...]:
 
 def _comments_beside(items: tuple[ast.Item, ...], lexed: Lexed) -> tuple[ast.Comment, ...]:
     """The comments that no node holds: not the documentation of a node, not inside a block that is kept as text."""
-    documented = {node.span.start for item in items for node in _documented(item) if node.doc}
-    loose = [comment for offset, docs in lexed.docs.items() if offset not in documented for comment in docs]
+    held = {node.span.start for item in items for node in documented(item) if node.doc}
+    loose = [comment for offset, docs in lexed.docs.items() if offset not in held for comment in docs]
     raw = [item.span for item in items if isinstance(item, ast.GanttDeclaration | ast.ForeignImport)]
     raw += [
         declaration.span
@@ -308,21 +310,6 @@ def _comments_beside(items: tuple[ast.Item, ...], lexed: Lexed) -> tuple[ast.Com
     ]
     comments = [c for c in (*lexed.comments, *loose) if not any(span.start <= c.span.start < span.end for span in raw)]
     return tuple(sorted(comments, key=lambda comment: comment.span.start))
-
-
-def _documented(item: ast.Item) -> Iterator[Any]:
-    """The nodes of an item that can hold documentation."""
-    if isinstance(item, ast.SignalDeclaration | ast.PropertyDeclaration):
-        yield item
-    elif isinstance(item, ast.Template):
-        yield item
-        yield from (d for d in item.declarations if isinstance(d, ast.SignalDeclaration))
-        yield from item.edges
-        for location in item.locations:
-            yield location
-            yield from location.edges
-        for branchpoint in item.branchpoints:
-            yield from branchpoint.edges
 
 
 def _legacy_warning(first: Diagnostic) -> Diagnostic:
