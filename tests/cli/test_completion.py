@@ -23,6 +23,7 @@ def test_commands_options_choices_and_files_are_completed() -> None:
         "plain,dfs",
         "plain,rdfs",
         "plain,progress",
+        "plain,best-first",
     ]
     assert complete("tachk check mod", 2) == ["file,mod"]
 

@@ -174,13 +174,13 @@ ELSEWHERE = {"`conform --coverage --format json`"}
 
 ROWS: dict[str, Callable[[], None]] = {
     "`simulate -o`, `replay -o`": signals_of_runs,
-    "`simulate -o`, `replay -o`, `save` in `step`": steps_of_runs,
+    "`simulate -o`, `replay -o`, `step -o`, `save` in `step`": steps_of_runs,
     "`monitor --signals`": signals_of_formulas,
-    "`decode --signals`": signals_of_captures,
-    "`proxy --record`, `bridge --record`": captures,
+    "`xrce decode --signals`": signals_of_captures,
+    "`xrce proxy --record`, `xrce bridge --record`": captures,
     "`verify --format json`": reports,
     "`monitor`, `simulate`, `sweep --format json`": other_reports,
-    "`measure --format settings`": settings,
+    "`xrce measure --format settings`": settings,
     "`verify --certificate`, `synthesize --certificates`": certificates,
     "`sweep --store`": stores,
     "`convert`, `fmt`": models,

@@ -27,6 +27,9 @@ from tachk.transform.transformation import Exactness
 GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
 
 _STEP = 64
+_EARLY, _LARGE_ZONE = 500, 10_000
+_TENTH_OF_A_SECOND = 20_000
+"""The work of about so long. Where less is enough the search answers by itself: others find longer runs."""
 _LONG = 2_000_000
 """A search that has done so much work has taken some ten seconds, and is likely to take many more."""
 
@@ -56,7 +59,7 @@ class SearchStrategy:
         begin: the search; None where it is not sound, or would hardly pay.
         exactness: what can be believed of its outcome.
         after: how much work the ordinary search does before.
-        at_once: whether it comes before the ordinary search with these options.
+        begins: the same where it depends on the problem.
         explored: its budget, in states that are explored. Where it is hit, the search has decided nothing.
         work: its budget as work, in place of that.
         share: of the work of the ordinary search, its budgets behind the first one; 0: it has one turn.
@@ -70,7 +73,7 @@ class SearchStrategy:
     begin: Callable[[SearchProblem], GoalSearch | None]
     exactness: Exactness
     after: int
-    at_once: Callable[[Options], bool] = lambda options: False
+    begins: Callable[[SearchProblem], int] | None = None
     explored: int | None = None
     work: int | None = None
     share: float = 0.0
@@ -92,9 +95,9 @@ class SearchStrategy:
         free = options.order is SearchOrder.AUTO and not options.shortest
         return of_use and free and "attempts" not in options.without
 
-    def first(self, options: Options) -> int:
+    def first(self, problem: SearchProblem) -> int:
         """How much work the ordinary search does before."""
-        return 0 if self.at_once(options) else self.after
+        return self.after if self.begins is None else self.begins(problem)
 
     def later(self) -> SearchStrategy:
         """The row for its next turn."""
@@ -174,6 +177,14 @@ class BudgetedSearch:
         return self._search.statistics()
 
 
+def _begin_of_local_times(problem: SearchProblem) -> int:
+    """The sample that decides whether they pay takes long with many clocks: a run may be found before."""
+    if problem.options.local_times is not LocalTimes.AUTO:
+        return 0
+    entries = (problem.program.clocks + len(problem.program.locations)) ** 2
+    return _EARLY if entries < _LARGE_ZONE else _TENTH_OF_A_SECOND + 1
+
+
 def _over_local_times(problem: SearchProblem) -> _core.LocalExplorer | None:
     return local_times.begin(problem.program, problem.goals, problem.ordinary, problem.options, problem.limits)
 
@@ -228,8 +239,8 @@ PORTFOLIO = (
         "draw runs by several policies of choosing moments",
         _simulated,
         Exactness.REACHABLE,
-        after=500,
-        work=1_000,
+        after=_TENTH_OF_A_SECOND,
+        work=2_500,
         share=1 / 64,
         long_share=1 / 8,
     ),
@@ -238,16 +249,16 @@ PORTFOLIO = (
         "let each process have a time of its own, where that is sound and seems to save states",
         _over_local_times,
         Exactness.SAME_STATES,
-        after=500,
-        at_once=lambda options: options.local_times is not LocalTimes.AUTO,
+        after=_EARLY,
+        begins=_begin_of_local_times,
     ),
     SearchStrategy(
         "best-first",
         "explore the states first that are nearest to the goal",
         _best_first,
         Exactness.REACHABLE,
-        after=1_000,
-        work=250,
+        after=_TENTH_OF_A_SECOND,
+        work=500,
         share=1 / 64,
         long_share=1 / 32,
     ),
@@ -256,18 +267,17 @@ PORTFOLIO = (
         "explore some states with one order of independent actions where time cannot pass",
         _in_one_order,
         Exactness.SAME_STATES,
-        after=20_000,
+        after=2 * _TENTH_OF_A_SECOND,
         explored=5_000,
         sample=256,
         pays=_saves_many,
     ),
-    # Where fewer states are enough nothing is explored depth first: the runs that are found so are longer.
     SearchStrategy(
         "probe",
         "explore few states depth first, with processes that keep their places",
         _depth_first,
         Exactness.REACHABLE,
-        after=20_000,
+        after=2 * _TENTH_OF_A_SECOND,
         work=5_000,
         share=1 / 64,
         long_share=1 / 32,

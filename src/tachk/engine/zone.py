@@ -130,8 +130,9 @@ def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ende
     tried: dict[str, GoalSearch] = {}
     main = _MainSearch(problem, begun)
     while turns:
-        strategy = min(turns, key=lambda row: row.first(options))
-        if strategy.first(options) > 0 and (ended := main.run(strategy.after)) is not None:
+        strategy = min(turns, key=lambda row: row.first(problem))
+        after = strategy.first(problem)
+        if after > 0 and (ended := main.run(after)) is not None:
             return ended
         turns.remove(strategy)
         search = tried.get(strategy.name) or strategy.begin(problem)

@@ -36,7 +36,7 @@ process P(const id_t me) {
 }
 system P;
 """
-STORED = 20_000
+STORED = 40_000
 """So much work is done before the first of the other attempts."""
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
@@ -248,6 +248,6 @@ def test_each_search_can_be_switched_off(name: str, monkeypatch: pytest.MonkeyPa
     with_search_budgets(monkeypatch, after=100)
     for strategy in portfolio.PORTFOLIO:
         with_search_budgets(monkeypatch, strategy.name, begin=lambda problem, own=strategy.name: begun.append(own))
-    with_search_budgets(monkeypatch, "local-times", after=100)
+    with_search_budgets(monkeypatch, "local-times", begins=lambda problem: 100)
     assert verdict(REACHED, Options().off("unblocked", "sliced", "symmetry", name), Limits(states=300)).reason
     assert begun == [other for other in NAMES if other != name]

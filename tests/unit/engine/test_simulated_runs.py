@@ -39,7 +39,7 @@ system k1, k2, k3, k4, k5, k6, k7, k8, k9, Unlocker;
 def test_single_moments_are_met() -> None:
     found = verdict(GATES, "E<> Unlocker.goal")
     assert (found.answer, found.strategy) == (Answer.HOLDS, "simulated")
-    assert found.statistics.states_stored < 2_000
+    assert found.statistics.states_stored < 40_000
     assert isinstance(found.trace, TimedTrace)
     assert found.trace.states[-1].time == 81
     plain = verdict(GATES, "E<> Unlocker.goal", Options().off("attempts"))
@@ -118,12 +118,14 @@ process Other() {
     int[0, 9] count;
     init location on { to on { assign count = (count + 1) % 10; } }
 }
-a = Other(); b = Other(); c = Other(); d = Other();
-system Walker, a, b, c, d;
+a = Other(); b = Other(); c = Other(); d = Other(); e = Other();
+system Walker, a, b, c, d, e;
 """
 
 
 def test_a_distance_leads_where_chance_does_not() -> None:
-    found = verdict(WAYS, "E<> Walker.place == 30 && a.count == 3 && b.count == 4", ALONE.on("best-first"))
+    found = verdict(
+        WAYS, "E<> Walker.place == 30 && a.count == 3 && b.count == 4 && e.count == 9", ALONE.on("best-first")
+    )
     assert (found.answer, found.strategy) == (Answer.HOLDS, "best-first")
-    assert found.statistics.states_stored < 20_000
+    assert found.statistics.states_stored < 40_000

@@ -59,7 +59,7 @@ def print_formula(formula: Formula) -> str:
 
 def print_interval(interval: Interval) -> str:
     """``[0, 5 s)``, or nothing for all the time."""
-    if interval.upper is None and interval.lower_closed and interval.lower.value == 0:
+    if interval.upper is None and interval.lower_closed and interval.lower.value == 0 and not interval.lower.unit:
         return ""
     if interval.upper is None:
         upper = "inf)"
