@@ -26,7 +26,7 @@ from tachk.transform.transformation import Exactness
 
 GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
 
-_STEP = 64
+_STEP = 256
 _EARLY, _LARGE_ZONE = 500, 10_000
 _TENTH_OF_A_SECOND = 20_000
 """The work of about so long. Where less is enough the search answers by itself: others find longer runs."""
