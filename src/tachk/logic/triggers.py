@@ -1,4 +1,4 @@
-"""Triggers of a formula: the left sides of the implications that it always demands."""
+"""Triggers of a formula, which are the left sides of the implications that it always demands, and what it awaits."""
 
 from __future__ import annotations
 
@@ -7,7 +7,21 @@ from collections.abc import Iterator
 from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.syntax import ast
 from tachk.syntax.chains import chain
-from tachk.syntax.formula import Always, And, Atom, Fall, Formula, Implies, Not, Once, Or, Rise
+from tachk.syntax.formula import (
+    Always,
+    And,
+    Atom,
+    Eventually,
+    Fall,
+    Formula,
+    Implies,
+    Not,
+    Once,
+    Or,
+    Rise,
+    Until,
+    WeakUntil,
+)
 
 
 def demanded_implications(formula: Formula) -> Iterator[Implies]:
@@ -18,6 +32,30 @@ def demanded_implications(formula: Formula) -> Iterator[Implies]:
 def demanded_conditions(formula: Formula) -> Iterator[Formula]:
     """The conditions on one state that are demanded at all instants: p of ``G p`` and of ``G (p && (q -> F r))``."""
     return (part for part, always in _demanded(formula, always=False) if always and needed_now(part) is not None)
+
+
+def awaited_conditions(formula: Formula) -> Iterator[Formula]:
+    """The conditions on one state that have to come and to last: q of ``F[0,5] q`` and of ``p U q``.
+
+    Where ``F q`` has no deadline, q need not last.
+    """
+    if isinstance(formula, Eventually):
+        if needed_now(formula.operand) is None:
+            yield from awaited_conditions(formula.operand)
+        elif formula.interval.upper is not None:
+            yield formula.operand
+    elif isinstance(formula, Until | WeakUntil):
+        if needed_now(formula.right) is None:
+            yield from awaited_conditions(formula.right)
+        else:
+            yield formula.right
+    elif isinstance(formula, Always):
+        yield from awaited_conditions(formula.operand)
+    elif isinstance(formula, Implies):
+        yield from awaited_conditions(formula.right)
+    elif isinstance(formula, And | Or):
+        for part in formula.operands:
+            yield from awaited_conditions(part)
 
 
 def _demanded(formula: Formula, always: bool) -> Iterator[tuple[Formula, bool]]:

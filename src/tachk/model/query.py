@@ -31,6 +31,7 @@ class Observer:
         triggers: for each implication that the formula demands always, its left side as text, and what must be true
             in some state so that the left side ever is.
         demanded: the conditions that must be true at all instants, each with its text.
+        awaited: the conditions that must come and last, each with its text.
     """
 
     process: Process
@@ -40,6 +41,7 @@ class Observer:
     entries: tuple[int, ...] = ()
     triggers: tuple[tuple[str, Expression], ...] = ()
     demanded: tuple[tuple[str, Expression], ...] = ()
+    awaited: tuple[tuple[str, Expression], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

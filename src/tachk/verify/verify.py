@@ -97,7 +97,8 @@ def _verified(
             found = [*_with_momentary_triggers(network, found, limits, job)]
         except KeyboardInterrupt:
             note_interruption()
-        return tuple(map(_with_note, _examined(network, found)))
+        answers = (_with_momentary_answers(model, verdict) for verdict in _examined(network, found))
+        return tuple(map(_with_note, answers))
 
 
 def _with_note(verdict: Verdict) -> Verdict:
@@ -116,6 +117,15 @@ def _with_momentary_triggers(network: Network, found: Sequence[Verdict], limits:
     from tachk.verify.momentary import with_momentary_triggers
 
     return with_momentary_triggers(network, found, limits, partial(_decided_plainly, job))
+
+
+def _with_momentary_answers(model: PreparedNetwork, verdict: Verdict) -> Verdict:
+    """The verdict with a note about what its run has for no time, of which only observers may speak."""
+    if verdict.query.observer is None or verdict.trace is None:
+        return verdict
+    from tachk.verify.momentary_answers import with_momentary_answers
+
+    return with_momentary_answers(model, verdict)
 
 
 def _decided_plainly(job: Job, network: Network, queries: Sequence[Query], limits: Limits) -> Sequence[Verdict]:

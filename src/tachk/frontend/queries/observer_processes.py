@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -17,7 +17,13 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, TrapLocation, build_observer
 from tachk.logic.sentences import meaning
-from tachk.logic.triggers import demanded_conditions, demanded_implications, needed_now, needed_state
+from tachk.logic.triggers import (
+    awaited_conditions,
+    demanded_conditions,
+    demanded_implications,
+    needed_now,
+    needed_state,
+)
 from tachk.model.connectives import both, either
 from tachk.model.expressions import BOOL, Expression, LocationTest, Unary
 from tachk.model.query import Expectation, Observer, Query
@@ -65,7 +71,8 @@ def elaborate_temporal(
         tuple(places[e.location] for e in built.endings),
         tuple(places[e.entry] for e in built.endings if e.entry is not None),
         tuple(_triggers(formula, scope, context)),
-        tuple(_demanded(formula, scope, context)),
+        tuple(_conditions(demanded_conditions(formula), scope, context)),
+        tuple(_conditions(awaited_conditions(formula), scope, context)),
     )
     query = Query(name, QueryKind.INVARIANTLY, None, (), node.sentence or node.span.text, title, expectation, node.span)
     query = replace(query, observer=observer)
@@ -127,8 +134,9 @@ def _triggers(formula: Formula, scope: Scope, context: Context) -> Iterator[tupl
             yield print_formula(implication.left), value
 
 
-def _demanded(formula: Formula, scope: Scope, context: Context) -> Iterator[tuple[str, Expression]]:
-    for part in demanded_conditions(formula):
+def _conditions(parts: Iterable[Formula], scope: Scope, context: Context) -> Iterator[tuple[str, Expression]]:
+    """Parts of a formula that are conditions on one state, with their texts."""
+    for part in parts:
         now = needed_now(part)
         value = None if now is None else condition(now, scope, context)
         if value is not None:
