@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -10,6 +11,7 @@ from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.span import Span
 from tachk.base.time_units import NANOSECONDS, length_of
+from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import is_integral
@@ -25,7 +27,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Process
 from tachk.model.recording import RecordedModel, RecordingMap, VisibleEvents
-from tachk.model.traversal import asks_deadlock, walk
+from tachk.model.traversal import asks_deadlock, roots, walk
 from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.syntax import ast
 
@@ -113,10 +115,12 @@ class _RecordingClauseReader:
             return None
         events = tuple(each for each in visible if each is not None)
         self._check_left(events, replaced)
+        outside = tuple(each for each in hidden if each is not None)
+        self._check_joined(events, outside, replaced)
         return RecordingMap(
             frozenset(replaced),
             events,
-            tuple(each for each in hidden if each is not None),
+            outside,
             allowances.get("tolerance", Fraction(0)),
             allowances.get("late"),
             span=node.span,
@@ -294,3 +298,31 @@ class _RecordingClauseReader:
                     message = f"the recording takes the place of `{name}`, so no event can show its inside"
                     self.context.error("E0456", node.span, message, f"leave out the column, or do not replace `{name}`")
                     break
+
+    def _check_joined(
+        self, visible: Iterable[VisibleEvents], hidden: Iterable[Expression], replaced: Collection[int]
+    ) -> None:
+        """Reports channels by which processes join that are both left: the recording would have to take part, too."""
+        used: defaultdict[Variable, set[Direction]] = defaultdict(set)
+        for number, process in enumerate(self.processes):
+            for edge in process.edges if number not in replaced else ():
+                if edge.synchronisation is not None:
+                    for variable in roots(edge.synchronisation.channel):
+                        used[variable].add(edge.synchronisation.direction)
+        both = set(Direction)
+        for clause in visible:
+            (variable,) = roots(clause.channel)
+            type_ = element_type(clause.channel.type)
+            broadcast = isinstance(type_, ChannelType) and type_.broadcast
+            if used[variable] == both and not broadcast and clause.direction is not Direction.RECEIVE:
+                message = f"`{variable.name}` joins two processes that are both left in the model"
+                help_ = (
+                    "make it a broadcast channel, so that the recording hears it, or replace the process that receives"
+                )
+                self.context.error("E0457", clause.span, message, help_)
+        for channel in hidden:
+            (variable,) = roots(channel)
+            if used[variable] == both:
+                message = f"the hidden channel `{variable.name}` joins processes that are left in the model"
+                help_ = "leave it out of `hidden`: nothing outside takes part in it"
+                self.context.error("E0457", channel.span, message, help_)

@@ -26,7 +26,7 @@ from tachk.model.run import Transition
 from tachk.model.traversal import process_expressions
 from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.recordings.conformance.event_streams import EventStreams, channel_variable, index_range
-from tachk.recordings.conformance.trace_automata import TraceAutomaton, is_broadcast, with_any_output, without_deadlines
+from tachk.recordings.conformance.trace_automata import TraceAutomaton, with_any_output, without_deadlines
 from tachk.transform.cone_of_influence import mentioned
 from tachk.transform.transformation import Exactness, Transformation
 
@@ -123,7 +123,6 @@ def trace_product(
     builder = NetworkBuilder("recording.", VariableKind.GLOBAL)
     now = builder.clock("now")
     positions = [builder.integer(f"happened[{n}]", 0, len(q.events)) for n, q in enumerate(streams.streams)]
-    _check_hearable(streams, processes)
     product = [TraceAutomaton(builder, streams, n, now, positions) for n in range(len(streams.streams))]
     hidden = _outsider(builder, mapping, processes)
     released = _released(mapping, streams, processes)
@@ -179,18 +178,6 @@ def _mentioned(network: Network, processes: Sequence[Process], streams: EventStr
     return (variable for variable in network.variables if variable in found)
 
 
-def _check_hearable(streams: EventStreams, processes: Sequence[Process]) -> None:
-    """Raises UsageError where the model itself receives what the recording would have to receive."""
-    for stream in streams.streams:
-        if stream.outputs and not is_broadcast(stream):
-            variable = channel_variable(stream.visible.channel)
-            if any(s.direction is Direction.RECEIVE for s in _synchronisations(variable, processes)):
-                raise UsageError(
-                    f"`{variable.name}` joins two processes that are both left in the model",
-                    "make it a broadcast channel, so that it can be received, or replace the process that receives",
-                )
-
-
 def _synchronisations(channel: Variable, processes: Sequence[Process]) -> Iterator[Synchronisation]:
     for process in processes:
         for edge in process.edges:
@@ -210,11 +197,6 @@ def _outsider(builder: NetworkBuilder, mapping: RecordingMap, processes: Sequenc
     for channel in mapping.hidden:
         variable = channel_variable(channel)
         directions = {s.direction for s in _synchronisations(variable, processes)}
-        if len(directions) > 1:
-            raise UsageError(
-                f"the hidden channel `{variable.name}` joins processes that are left in the model",
-                "leave it out of `hidden`: nothing outside takes part in it",
-            )
         for each in _elements(channel):
             if Direction.RECEIVE in directions:
                 process.edge(here, here, send=Term(each))

@@ -89,6 +89,34 @@ def test_process_that_is_replaced(column: str) -> None:
         tachk.loads(f"{text} recording {{ visible a as a({column}); replaces P; }}")
 
 
+JOINED = """
+    chan a; process P() { init location A { to A { sync a!; } } }
+    process Q() { init location A { to A { sync a?; } } } system P, Q; broadcast chan b;
+"""
+
+
+@pytest.mark.parametrize(
+    ("clauses", "place"),
+    [
+        ("visible a as a();", "visible a as a();"),
+        ("visible a! as a();", "visible a! as a();"),
+        ("visible b as b(); hidden a;", "a"),
+    ],
+)
+def test_a_channel_that_joins_processes_that_are_left_has_a_place(clauses: str, place: str) -> None:
+    with pytest.raises(tachk.InputError, match="E0457") as caught:
+        tachk.loads(f"{JOINED} recording {{ {clauses} }}")
+    assert [found.span.text for found in caught.value.diagnostics] == [place]
+
+
+@pytest.mark.parametrize(
+    "clauses", ["visible a as a(); replaces Q;", "visible a? as a();", "visible a as a(); replaces P;"]
+)
+def test_a_channel_on_which_the_recording_takes_part(clauses: str) -> None:
+    assert tachk.loads(f"{JOINED} recording {{ {clauses} }}").network.processes
+    assert tachk.loads(f"broadcast {JOINED.strip()} recording {{ visible a as a(); }}").network.processes
+
+
 def test_local_variable_in_a_column(tmp_path: Path) -> None:
     model = tachk.loads("""
         broadcast chan c;
