@@ -79,7 +79,7 @@ def parse_fault(written: str) -> InjectedFault:
     fault, equals, wanted = (part.strip() for part in written.partition("="))
     help = "such as lost=0.01, or lost=send[0][1]:3,5..7, or 'falls asleep=now'"
     if not (fault and equals and wanted):
-        raise UsageError(f"--fault {written}: expected FAULT=PLAN", help)
+        raise UsageError(f"fault `{written}`: expected FAULT=PLAN", help)
     if wanted == _NOW:
         return InjectedFault(fault, None, "", (), written)
     channel, colon, listed = wanted.rpartition(":")
@@ -88,15 +88,15 @@ def parse_fault(written: str) -> InjectedFault:
         for part in listed.split(","):
             match = _RANGE.fullmatch(part.strip())
             if match is None or int(match[1]) < 1:
-                raise UsageError(f"--fault {written}: {part.strip()!r} is not a number of a message, from 1", help)
+                raise UsageError(f"fault `{written}`: {part.strip()!r} is not a number of a message, from 1", help)
             ranges.append((int(match[1]), int(match[2] or match[1])))
         return InjectedFault(fault, None, channel.strip(), tuple(ranges), written)
     try:
         probability = Fraction(wanted).limit_denominator(_FINEST)
     except (ValueError, ZeroDivisionError):
-        raise UsageError(f"--fault {written}: {wanted!r} is not a probability", help) from None
+        raise UsageError(f"fault `{written}`: {wanted!r} is not a probability", help) from None
     if not 0 <= probability <= 1:
-        raise UsageError(f"--fault {written}: a probability is between 0 and 1", help)
+        raise UsageError(f"fault `{written}`: a probability is between 0 and 1", help)
     return InjectedFault(fault, probability, "", (), written)
 
 
@@ -122,7 +122,7 @@ def with_faults(network: Network, plan: Sequence[InjectedFault]) -> FaultedNetwo
     for injected in plan:
         if injected.written not in injection.found:
             reason, remedy = injection.why_not(injected)
-            raise UsageError(f"--fault {injected.written}: {reason}", remedy)
+            raise UsageError(f"fault `{injected.written}`: {reason}", remedy)
     counters = list(injection.counters())
     last = replace(processes[-1], variables=(*processes[-1].variables, *counters))
     slots = sum(len(list(leaves(variable.type))) for variable in network.all_variables())
@@ -148,7 +148,7 @@ class _Injection:
         self.obstacles: dict[str, str] = {}
         summed = sum((o.probability for o in plan if o.probability is not None), Fraction(0))
         if summed > 1 and len({o.fault for o in plan}) > 1:
-            raise UsageError(f"--fault: the probabilities of all faults together are {summed}, more than 1")
+            raise UsageError(f"the probabilities of all faults together are {summed}, more than 1")
 
     def counters(self) -> Iterator[Variable]:
         yield from self.counted.values()
@@ -402,7 +402,7 @@ def _fit(fault: str, words: str) -> int:
 def _channel(network: Network, injected: InjectedFault) -> tuple[Variable, tuple[int, ...]]:
     """The array and the indices of a channel. Raises UsageError."""
     match = _CHANNEL.fullmatch(injected.channel.replace(" ", ""))
-    problem = f"--fault {injected.written}: there is no channel {injected.channel}"
+    problem = f"fault `{injected.written}`: there is no channel {injected.channel}"
     if match is None:
         raise UsageError(problem, "such as send[0][1]")
     variable = next((v for v in network.all_variables() if v.name == match[1]), None)

@@ -166,7 +166,7 @@ def test_a_fault_that_is_ordered_now_happens_at_its_first_moment() -> None:
 )
 def test_wrong_orders_are_rejected(written: str) -> None:
     network = tachk.loads(LINK).network
-    with pytest.raises(UsageError, match="--fault"):
+    with pytest.raises(UsageError, match="fault `"):
         with_faults(network, [parse_fault(written)])
 
 
@@ -262,7 +262,7 @@ def test_runs_of_an_own_link_with_faults_are_runs_of_the_model(policy: Policy) -
     ],
 )
 def test_what_a_link_lacks_is_named(change: tuple[str, str], said: str) -> None:
-    with pytest.raises(UsageError, match=f"--fault lost=0.5: .*{said}"):
+    with pytest.raises(UsageError, match=f"fault `lost=0.5`: .*{said}"):
         with_faults(tachk.loads(OWN_LINK.replace(*change)).network, [parse_fault("lost=0.5")])
 
 
