@@ -82,7 +82,9 @@ def first_violation(schema: Mapping[str, Any], document: object) -> str:
     if error is None:
         return ""
     place = error.json_path.removeprefix("$").removeprefix(".")
-    return f"{place}: {_shortened(error.message)}" if place else _shortened(error.message)
+    wrong = f"{place}: {_shortened(error.message)}" if place else _shortened(error.message)
+    allowed = error.schema.get("properties", {}) if error.validator == "additionalProperties" else {}
+    return f"{wrong}; allowed: {', '.join(allowed)}" if allowed else wrong
 
 
 @cache

@@ -50,14 +50,21 @@ def evidence(found: Found) -> list[tuple[str, str, bool]]:
     return [(each["about"], each["kind"], each["checked"]) for each in found["evidence"]]
 
 
+STATISTICAL = "process P() { init location A; } system P; property a: E<> P.A; property b: Pr[<=10](<> P.A);"
+
 # What is called with which arguments, and what is true of the answer; a text is part of that of a call that failed.
 CALLS: list[tuple[str, Found, Callable[[Found], bool] | str]] = [
     ("check", {"model": FISCHER}, lambda a: a["result"]["size"]["processes"] == 4 and a["result"]["deep"] is None),
     ("check", {"model": EXAMPLE}, lambda a: a["result"]["model"] == "<model>" and a["result"]["findings"] == []),
+    ("check", {"model": STATISTICAL}, lambda a: a["result"]["size"]["properties"] == 2),
     ("check", {"model": WRONG}, lambda a: a["result"]["findings"][0]["place"]["line"] == 2),
     ("check", {"model": FISCHER, "constants": TWO, "deep": True}, lambda a: a["result"]["deep"]["complete"]),
-    ("check", {"model": "none.ta"}, lambda a: "there is no file none.ta" in a["summary"]),
-    ("check", {"model": WRONG, "depth": 3}, "Additional properties are not allowed ('depth' was unexpected)"),
+    ("check", {"model": "none.ta"}, "there is no file none.ta"),
+    (
+        "check",
+        {"model": WRONG, "depth": 3},
+        "Additional properties are not allowed ('depth' was unexpected); allowed: model, ",
+    ),
     ("check", {}, "'model' is a required property"),
     (
         "verify",

@@ -12,7 +12,7 @@ from tachk.api.tools.answer import Evidence, ToolAnswer, answer
 from tachk.api.tools.evidence import evidence_of, replayed
 from tachk.api.tools.inputs import model_source, read_model
 from tachk.api.tools.limits import GRACE, ToolLimits
-from tachk.base.diagnostics.diagnostic import InputError, Severity
+from tachk.base.diagnostics.diagnostic import InputError, Severity, UsageError
 from tachk.base.diagnostics.explanation import CODE, all_explanations, message_text
 from tachk.base.diagnostics.render import render
 from tachk.base.job import unhurried
@@ -30,6 +30,8 @@ _LONGEST_RUN = 200
 def check(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
     """Every mistake and warning of a model; with ``deep`` also what no run of it does."""
     found, model = check_model(model_source(arguments["model"]), arguments.get("constants", {}))
+    if found.complaint is not None:
+        raise UsageError(found.complaint, found.help)
     evidence: list[Evidence] = []
     deep = ""
     if arguments.get("deep", False) and model is not None:
@@ -51,8 +53,6 @@ def check(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
 
 
 def _check_summary(found: Checked) -> str:
-    if found.complaint is not None:
-        return f"{found.complaint}{f' ({found.help})' if found.help else ''}"
     errors = sum(each.severity is Severity.ERROR for each in found.everything)
     warnings = len(found.everything) - errors
     counts = f"{_count(errors, 'error')}, {_count(warnings, 'warning')}"
