@@ -40,7 +40,7 @@ def check_model(
         len(processes),
         sum(len(process.locations) for process in processes),
         sum(len(process.edges) for process in processes),
-        len(model.properties),
+        len(model.loaded.formulas),
     )
     other = None
     if version is not None:

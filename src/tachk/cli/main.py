@@ -156,7 +156,10 @@ class _Folder(_Group):
 
 
 class _MainGroup(_Group):
-    """The commands behind `tachk`; those of earlier versions go on working, with a note."""
+    """The commands behind `tachk`; those of earlier versions go on working, with a note.
+
+    `help NAME` is `NAME --help`.
+    """
 
     def sections(self) -> dict[str, dict[str, str]]:
         listed = {*HIDDEN, *(name for section in SECTIONS.values() for name in section)}
@@ -179,6 +182,11 @@ class _MainGroup(_Group):
         if former is not None:
             print(f"note: `tachk {args[0]}` is now `tachk {former.name}`; the old name will go", file=sys.stderr)
             args = former.arguments(args[1:])
+        if args[0] == "help":
+            args = [*args[1:], "--help"]
+            if len(args) == 1:
+                click.echo(ctx.get_help())
+                ctx.exit()
         return super().resolve_command(ctx, args)
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

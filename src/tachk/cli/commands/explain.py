@@ -33,12 +33,12 @@ def command(subjects: tuple[str, ...], sentences: bool, seconds: float | None) -
     """Explain a message of tachk, or a property that is written as a formula or a sentence.
 
     For a message: what it means, an example, how to mend it. For a property: its formula in canonical form, how far it
-    looks ahead, and the automaton that observes it.
+    looks ahead, and the automaton that observes it. Without an argument: the codes of all messages.
     """
     if sentences:
         options.finish(lambda: run_sentences(subjects), seconds)
     if not subjects:
-        raise click.UsageError("Missing argument 'CODE|FORMULA|FILE'.")
+        options.finish(run_codes, seconds)
     if len(subjects) > 1:
         raise click.UsageError(f"Got unexpected extra arguments ({' '.join(subjects[1:])})")
     options.finish(lambda: run_explain(subjects[0]), seconds)
@@ -62,6 +62,15 @@ def run_explain(what: str) -> ExitStatus:
             print(f"{named.name}: {named.title}" if named.title else named.name)
         for line in formula_lines(named):
             print(line)
+    return ExitStatus.AS_EXPECTED
+
+
+def run_codes() -> ExitStatus:
+    """Prints the code of each message with its title."""
+    from tachk.base.diagnostics.explanation import all_explanations
+
+    for code, explanation in sorted(all_explanations().items()):
+        print(f"{code}  {explanation.title}")
     return ExitStatus.AS_EXPECTED
 
 
