@@ -10,7 +10,7 @@ from tachk.base.seeds import DEFAULT_SEED
 
 if TYPE_CHECKING:
     from tachk.model.network import Network
-    from tachk.simulation.stepping.library import Replay, Simulation
+    from tachk.simulation.stepping.library import HasRun, Replay, Simulation
     from tachk.simulation.stepping.walk import Walk
 
 
@@ -72,11 +72,12 @@ class Runnable:
 
         return step(self)
 
-    def replay(self, run: str | os.PathLike[str], property: str | None = None) -> Replay:
+    def replay(self, run: HasRun | str | os.PathLike[str], property: str | None = None) -> Replay:
         """Executes a run on the model: `tachk.replay` with this model.
 
         Args:
-            run: a report of `tachk verify --format json`, or a file that `tachk step` or `tachk simulate` has written.
+            run: a report of `tachk verify --format json`, or a file that `tachk step` or `tachk simulate` has written,
+                or the run of a report, ``report.run(NAME)``.
             property: of a report with several runs, the one about this property.
 
         Raises:

@@ -127,6 +127,7 @@ _TESTS: Mapping[str, Callable[[object], bool]] = {
     "Mapping": lambda value: isinstance(value, Mapping),
     "tuple": lambda value: isinstance(value, tuple),
     "HasNetwork": lambda value: hasattr(value, "network"),
+    "HasRun": lambda value: hasattr(value, "network") and hasattr(value, "trace"),
 }
 _SEVERAL = frozenset({"Iterable", "Sequence", "Collection"})
 _CLASSES = {
@@ -147,6 +148,7 @@ _WORDS = _CLASSES | {
     "Mapping": "a dictionary",
     "tuple": "a tuple",
     "HasNetwork": "a model of `tachk.load` or `tachk.loads`",
+    "HasRun": "a run of a report, such as `report.run(NAME)`",
 }
 
 

@@ -105,3 +105,14 @@ def test_models_reports_and_verdicts_are_pickled() -> None:
     assert again.to_text() == report.to_text()
     verdict = pickle.loads(pickle.dumps(report["patience"]))
     assert verdict.trace == report["patience"].trace
+
+
+def test_the_run_of_a_report_is_replayed() -> None:
+    model = tachk.load("models/classics/fischer.ta", N=2, WAIT=9)
+    run = model.verify().run("mutual_exclusion")
+    assert run is not None
+    replayed = tachk.replay(model, run)
+    assert replayed and replayed.trace == run.trace
+    assert not tachk.load("models/classics/fischer.ta", N=2).replay(run)
+    with pytest.raises(tachk.UsageError, match="a run of a report"):
+        tachk.replay(model, model.simulate(runs=1)[0])  # type: ignore[arg-type]

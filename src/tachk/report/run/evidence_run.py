@@ -10,6 +10,7 @@ from tachk.base.frames import data_frame
 from tachk.base.notebook import preformatted
 from tachk.meaning.run_view import Snapshot, TraceView, ViewStep, rows_of_run, view_trace
 from tachk.model.network import Network
+from tachk.model.run import TimedTrace
 from tachk.report.run.display import RunDisplay
 from tachk.report.text_report import evidence_text
 from tachk.verify.verdict import Verdict
@@ -20,17 +21,22 @@ class Run:
     """A run by the names of its model: ``print(run)`` shows it as `tachk verify` does, a notebook shows it.
 
     Attributes:
-        verdict: the answer that the run is about; ``verdict.trace`` is the run in numbers.
+        verdict: the answer that the run is about.
     """
 
     network: Network = field(repr=False)
     verdict: Verdict
 
     @property
+    def trace(self) -> TimedTrace:
+        """The run in numbers."""
+        assert self.verdict.trace is not None
+        return self.verdict.trace
+
+    @property
     def view(self) -> TraceView:
         """The run as reports show it: steps and states with their names."""
-        assert self.verdict.trace is not None
-        return view_trace(self.network, self.verdict.trace)
+        return view_trace(self.network, self.trace)
 
     @property
     def steps(self) -> tuple[ViewStep, ...]:
@@ -62,8 +68,7 @@ class Run:
         return data_frame(self.to_rows())
 
     def __len__(self) -> int:
-        assert self.verdict.trace is not None
-        return len(self.verdict.trace.steps)
+        return len(self.trace.steps)
 
     def __str__(self) -> str:
         return self.to_text()

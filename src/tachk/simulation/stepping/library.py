@@ -18,6 +18,7 @@ from tachk.base.diagnostics.render import render
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.base.frames import data_frame
 from tachk.base.notebook import html_table, preformatted
+from tachk.base.span import Source
 from tachk.engine.simulation.policy import Policy
 from tachk.engine.simulation.simulator import RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.formats.loading.load import load_model
@@ -34,8 +35,9 @@ from tachk.simulation.simulated import simulated
 from tachk.simulation.stepping.files import check_determined, read_submitted
 from tachk.simulation.stepping.rejections import rejection_diagnostic
 from tachk.simulation.stepping.replaying import replay_submitted
-from tachk.simulation.stepping.run_file import run_text
+from tachk.simulation.stepping.run_file import read_run_file, run_text
 from tachk.simulation.stepping.signals import signals_of
+from tachk.simulation.stepping.submitted import SubmittedRun
 from tachk.simulation.times import parsed_time_bound
 
 _MOST_SHOWN = 20
@@ -180,6 +182,16 @@ class HasNetwork(Protocol):
     def network(self) -> Network: ...
 
 
+class HasRun(Protocol):
+    """Such as `tachk.Report.run` gives it."""
+
+    @property
+    def network(self) -> Network: ...
+
+    @property
+    def trace(self) -> TimedTrace: ...
+
+
 @dataclass(frozen=True, slots=True)
 class Replay:
     """The result of replaying a run on a model. It is true if all of it is a run.
@@ -297,15 +309,22 @@ def simulate(
     return drawn_runs(network, drawing, range(first, first + runs), tuple(record), plan)
 
 
+def _submitted(run: HasRun | str | os.PathLike[str], property: str | None) -> SubmittedRun:
+    if isinstance(run, str | os.PathLike):
+        return read_submitted(Path(run), property)
+    return read_run_file(Source("<run>", run_text(RunNames(run.network), run.trace)))
+
+
 @checked_arguments
 def replay(
-    model: HasNetwork | str | os.PathLike[str], run: str | os.PathLike[str], property: str | None = None
+    model: HasNetwork | str | os.PathLike[str], run: HasRun | str | os.PathLike[str], property: str | None = None
 ) -> Replay:
     """Executes a run on a model, by the semantics that judges counterexamples.
 
     Args:
         model: such as `tachk.load` gives it, or the path of one.
-        run: a file: a report of `tachk verify --format json`, or a run as `tachk step` and `tachk simulate` write it.
+        run: a file: a report of `tachk verify --format json`, or what `tachk step` or `tachk simulate` has written; or
+            the run of a report, such as ``report.run("mutual_exclusion")``.
         property: of a report with several runs, the one about this property.
 
     The model is taken as it is loaded: with other constants than the run was made with, it may be none.
@@ -315,6 +334,6 @@ def replay(
         UsageError: the file cannot be read, or holds no run.
     """
     names = names_of_runs(model)
-    replayed = replay_submitted(names, read_submitted(Path(run), property))
+    replayed = replay_submitted(names, _submitted(run, property))
     rejection = None if replayed.refusal is None else rejection_diagnostic(replayed.refusal)
     return Replay(names, replayed.trace, rejection)
