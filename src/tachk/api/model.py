@@ -361,19 +361,14 @@ class Model(Estimable, Runnable):
             UsageError: there is no ``end``, or an event is about a channel that an edge computes.
             UnsupportedError: the model uses a feature that cannot be checked.
         """
-        from tachk.frontend.queries.events import read_event
-        from tachk.report.time_report import TimedInterval, TimesReport
-        from tachk.verify.times import BEST, WORST, times_between
+        from tachk.api.times import ARGUMENTS, measured_times
+        from tachk.report.time_report import TimedInterval
 
         if end is None:
             raise UsageError("there is no second event", "write time(start, end), or time(end=...) from the start on")
-        network = self.network
-        first = None if start is None else read_event(self.loaded, start, "--from", settled)
-        second = read_event(self.loaded, end, "--to", settled)
-        requested = [name for name, wanted in ((BEST, best), (WORST, worst)) if wanted]
-        chosen = options or Options(), limits or Limits(), requested, trace
-        times = times_between(network, first, second, last, *chosen)
-        return TimesReport.of(times, TimedInterval(self.path, start, end, last), network)
+        interval = TimedInterval(self.path, start, end, last)
+        chosen = options or Options(), limits or Limits()
+        return measured_times(self.loaded, interval, ARGUMENTS, best, worst, settled, *chosen, trace)
 
     @checked_arguments
     def check(

@@ -116,3 +116,10 @@ def test_the_run_of_a_report_is_replayed() -> None:
     assert not tachk.load("models/classics/fischer.ta", N=2).replay(run)
     with pytest.raises(tachk.UsageError, match="a run of a report"):
         tachk.replay(model, model.simulate(runs=1)[0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("start", "end", "named"), [("Machine.Gone", "Machine.Idle", "start"), (None, "Gone!", "end")])
+def test_a_wrong_event_is_named_by_its_argument(start: str | None, end: str, named: str) -> None:
+    with pytest.raises(tachk.InputError) as caught:
+        tachk.loads(COFFEE).time(start, end)
+    assert caught.value.diagnostics[0].span.source.name == named

@@ -165,14 +165,19 @@ def run_time(
 
 def _times(model: api.Model, arguments: TimeArguments, limits: Limits, traces: bool) -> Times:
     """The times of a model; unknown if a limit ended the search."""
+    from tachk.api.times import OPTIONS, measured_times
+    from tachk.engine.options import Options
+    from tachk.report.time_report import TimedInterval
+
     try:
-        return model.time(
-            arguments.start,
-            arguments.end,
-            last=arguments.last,
+        return measured_times(
+            model.loaded,
+            TimedInterval(arguments.model, arguments.start, arguments.end, arguments.last),
+            OPTIONS,
             best=arguments.best or not arguments.worst,
             worst=arguments.worst or not arguments.best,
             settled=arguments.settled,
+            options=Options(),
             limits=limits,
             trace=traces,
         )
