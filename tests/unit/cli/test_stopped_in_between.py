@@ -13,7 +13,7 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
-from tachk.api.model import Model
+from tachk.api import times
 from tachk.base.job import OutOfTimeError
 from tachk.cli.main import app
 from tachk.simulation import tables
@@ -221,7 +221,7 @@ def test_the_numbers_of_trajectories_are_no_list(model: str, monkeypatch: pytest
 
 
 def test_times(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Model, "time", stopping_after(2, Model.time, OutOfTimeError))
+    monkeypatch.setattr(times, "measured_times", stopping_after(2, times.measured_times, OutOfTimeError))
     status, output = run("time", model, "--to", "P.B", "--over", "N=1..4", "--format", "json")
     told = json.loads(output)
     validate(told, "time")
