@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from tachk.xrce.bridge.clock import Clock, SteppedClock, WallClock
     from tachk.xrce.measuring.measure import measure
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 __all__ = [
     "Answer",
