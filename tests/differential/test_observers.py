@@ -118,7 +118,7 @@ def test_an_observer_says_what_the_monitor_says_of_what_is_temporal_inside(block
 @pytest.mark.parametrize("block", range(3))
 def test_an_observer_says_what_the_monitor_says_of_edges_that_coincide(block: int) -> None:
     answers = []
-    for seed in seeds(range(50 * block, 50 * block + 50)):
+    for seed in seeds(range(30 * block, 30 * block + 30)):
         case = edges_observer_case(Random(seed))
         model = replaying(case.trace)
         query = query_of(case.formula, model)

@@ -128,7 +128,7 @@ void test_runs_come_in_the_order_of_time() {
   // The first has to leave at 3 at the latest: the second cannot have waited for two by then.
   LocalExplorer too_late(program, {});
   CHECK(too_late.run(UINT64_MAX) == Status::finished);
-  CHECK(!too_late.path_to_goal(0));
+  CHECK(!too_late.reached(0));
   atoms[0].raw = raw_bound(-1, false);
   LocalExplorer other(program, {});
   CHECK(other.run(UINT64_MAX) == Status::finished);
@@ -146,8 +146,8 @@ void test_deadlocks_are_found_with_equal_bounds_only() {
   options.extrapolation = Extrapolation::max;
   LocalExplorer local(program, options);
   CHECK(local.run(UINT64_MAX) == Status::finished);
-  CHECK(local.path_to_goal(0)->size() == 3);
-  CHECK(!local.path_to_goal(1));
+  CHECK(local.path_to_goal(0).size() == 3);
+  CHECK(!local.reached(1));
   options.extrapolation = Extrapolation::lu;
   bool rejected = false;
   try {

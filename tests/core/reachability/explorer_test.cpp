@@ -38,7 +38,7 @@ void test_known_state_counts() {
 void test_options_do_not_change_answers() {
   for (const Raw wait : {1, 2})
     for (const SearchOrder order : {SearchOrder::automatic, SearchOrder::breadth_first, SearchOrder::depth_first,
-                                    SearchOrder::random_depth_first, SearchOrder::progress})
+                                    SearchOrder::random_depth_first, SearchOrder::progress, SearchOrder::best_first})
       for (const Extrapolation extrapolation : {Extrapolation::lu, Extrapolation::max})
         for (int bits = 0; bits < 32; ++bits) {
           Options options;
