@@ -41,7 +41,7 @@ class SimulatedRuns:
     """
 
     def __init__(self, program: Program, goals: Sequence[Goal]) -> None:
-        edges = tuple(map(_without_rest, program.edges))
+        edges = tuple(map(_unless_stuttering, program.edges))
         searched = replace(program, interchangeable=(), edges=edges)
         self._core = _core.Simulation(encode(searched, goals), list(chances_image(_equal_chances(program))))
         self._goals = [number for number, goal in enumerate(goals) if goal.decides]
@@ -147,14 +147,11 @@ class _BudgetedRuns:
         return self._runs.statistics()
 
 
-def _without_rest(edge: ProgramEdge) -> ProgramEdge:
+def _unless_stuttering(edge: ProgramEdge) -> ProgramEdge:
     """The edge; one that changes nothing is never taken: it would be taken again and again while time stands still."""
     changes = edge.source != edge.target or edge.update != Update() or edge.channel >= 0
-    return edge if changes else replace(edge, guard=replace(edge.guard, tests=(_nowhere(edge.process),)))
-
-
-def _nowhere(process: int) -> Test:
-    return Test(process, Comparison.LESS, 0)
+    never = Test(edge.process, Comparison.LESS, 0)
+    return edge if changes else replace(edge, guard=replace(edge.guard, tests=(never,)))
 
 
 def _equal_chances(program: Program) -> Chances:

@@ -148,7 +148,9 @@ def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ende
         if strategy.is_stopped(status, reason):
             return _Ended(ordinary, status, reason, _statistics(ordinary, begun))
         if status is _core.Status.STATE_LIMIT and strategy.share > 0:
-            turns += [row for row in (strategy.later(),) if row.is_allowed(options, problem.limits)]
+            later = strategy.later()
+            if later.is_allowed(options, problem.limits):
+                turns.append(later)
     return main.to_the_end()
 
 
