@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from random import Random
@@ -101,32 +101,14 @@ def test_an_observer_says_what_the_monitor_says_where_events_fall_on_bounds(bloc
 
 @pytest.mark.parametrize("block", range(2))
 def test_an_observer_says_what_the_monitor_says_of_what_is_temporal_inside(block: int) -> None:
-    answers = []
-    for seed in seeds(range(40 * block, 40 * block + 40)):
-        case = nested_observer_case(Random(seed))
-        model = replaying(case.trace)
-        query = query_of(case.formula, model)
-        if query is None:
-            continue
-        truth = _truth(case)
-        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
-        answers.append(truth)
+    answers = _compared(nested_observer_case, range(40 * block, 40 * block + 40))
     assert enough(answers.count(False) > 4)
     assert enough(len(answers) - answers.count(False) > 4)
 
 
 @pytest.mark.parametrize("block", range(3))
 def test_an_observer_says_what_the_monitor_says_of_edges_that_coincide(block: int) -> None:
-    answers = []
-    for seed in seeds(range(30 * block, 30 * block + 30)):
-        case = edges_observer_case(Random(seed))
-        model = replaying(case.trace)
-        query = query_of(case.formula, model)
-        if query is None:
-            continue
-        truth = _truth(case)
-        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
-        answers.append(truth)
+    answers = _compared(edges_observer_case, range(30 * block, 30 * block + 30))
     assert enough(answers.count(False) > 5)
     assert enough(len(answers) - answers.count(False) > 5)
 
@@ -158,16 +140,7 @@ def test_edges_at_the_first_and_at_the_last_instant_of_a_window(
 
 @pytest.mark.parametrize("block", range(3))
 def test_an_observer_says_what_the_monitor_says_of_windows_that_ended_before_now(block: int) -> None:
-    answers = []
-    for seed in seeds(range(60 * block, 60 * block + 60)):
-        case = past_observer_case(Random(seed))
-        model = replaying(case.trace)
-        query = query_of(case.formula, model)
-        if query is None:
-            continue
-        truth = _truth(case)
-        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
-        answers.append(truth)
+    answers = _compared(past_observer_case, range(60 * block, 60 * block + 60))
     assert enough(answers.count(False) > 15)
     assert enough(len(answers) - answers.count(False) > 10)
 
@@ -189,6 +162,21 @@ def test_what_sets_no_deadline_is_evaluated_as_a_run_whose_values_stay_for_ever(
         answers.append(truth)
     assert enough(answers.count(False) > 5)
     assert enough(answers.count(True) > 5)
+
+
+def _compared(draw: Callable[[Random], ObserverCase], numbers: range) -> list[bool | None]:
+    """What the monitor says of the cases drawn for which there is an observer, which says the same."""
+    answers = []
+    for seed in seeds(numbers):
+        case = draw(Random(seed))
+        model = replaying(case.trace)
+        query = query_of(case.formula, model)
+        if query is None:
+            continue
+        truth = _truth(case)
+        _compare(model, query, truth, f"seed {seed}: {print_formula(case.formula)} is {truth}")
+        answers.append(truth)
+    return answers
 
 
 def _compare(model: LoadedModel, query: Query, truth: bool | None, case: str) -> None:
