@@ -20,16 +20,13 @@ from tachk.base.records import dataclass
 from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, RecordTree, Tree
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
 from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, slot_nodes
-from tachk.engine.symmetry.units import TermUnit, read_edge, read_location, without_names
+from tachk.engine.symmetry.unit_texts import Atom, UnitText, UnitTexts
+from tachk.engine.symmetry.units import TermUnit, read_edge, read_location
 from tachk.model.expressions import Expression, Variable, VariableKind
 from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, slot_count
 from tachk.model.variable_layout import default_values
-
-Atom = Variable | ProcessNumber | tuple[int, int]
-"""An atom that a renaming may move: a variable, a process, or a number of an index type."""
-
 
 @dataclass(frozen=True, slots=True)
 class Renaming:
@@ -48,6 +45,14 @@ class Renaming:
         moved = self.values.get(root)
         return value if moved is None else moved.get(value - shift, value - shift) + shift
 
+    def atoms(self) -> dict[Atom, Atom]:
+        """The image of each atom that is moved."""
+        moved: dict[Atom, Atom] = {**self.variables}
+        moved |= {ProcessNumber(one): ProcessNumber(other) for one, other in self.processes.items()}
+        for root, values in self.values.items():
+            moved |= {(root, one): (root, other) for one, other in values.items()}
+        return moved
+
 
 @dataclass(slots=True)
 class NetworkTerms:
@@ -55,6 +60,8 @@ class NetworkTerms:
 
     Attributes:
         locations, edges: those of each process. Edges with the same outline stand side by side.
+        location_texts, edge_texts: their texts, once the index types are settled.
+        tested: the processes whose locations are tested somewhere.
         colours: the equitable partition (`tachk.engine.symmetry.equitable_partition`) once it is computed.
     """
 
@@ -63,6 +70,10 @@ class NetworkTerms:
     locations: list[list[TermUnit]]
     edges: list[list[TermUnit]]
     predicates: list[Term]
+    texts: UnitTexts
+    location_texts: list[list[UnitText]] = field(default_factory=list)
+    edge_texts: list[list[UnitText]] = field(default_factory=list)
+    tested: frozenset[ProcessNumber] = frozenset()
     colours: Sequence[int] | None = None
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _of_index_type: dict[int, list[Variable]] = field(default_factory=dict)
@@ -74,11 +85,14 @@ class NetworkTerms:
 
     def settle(self) -> None:
         """Ends the unification of index types, and indexes the units by the atoms that they mention."""
-        for process, (locations, edges) in enumerate(zip(self.locations, self.edges, strict=True)):
-            for is_edge, units in ((False, locations), (True, edges)):
-                for number, unit in enumerate(units):
-                    for atom in set(self.atoms(unit.every_token)):
-                        self._touched.setdefault(atom, []).append((process, is_edge, number))
+        self.location_texts = [list(map(self.texts.read, units)) for units in self.locations]
+        self.edge_texts = [list(map(self.texts.read, units)) for units in self.edges]
+        for process, both in enumerate(zip(self.location_texts, self.edge_texts, strict=True)):
+            for is_edge, texts in enumerate(both):
+                for number, text in enumerate(texts):
+                    for atom in text.names:
+                        self._touched.setdefault(atom, []).append((process, bool(is_edge), number))
+        self.tested = frozenset(atom for atom in self._touched if isinstance(atom, ProcessNumber))
         self._note_predicates()
         for variable, tree in self.reader.trees.items():
             for root in {self.index_types.find(node)[0] for node in _all_nodes(tree)}:
@@ -133,33 +147,17 @@ class NetworkTerms:
                 image.append(token)
         return tuple(image)
 
-    def text(self, unit: TermUnit, renaming: Renaming) -> Hashable:
-        """The renamed text of a location or an edge; updates in any order have none."""
-        loose = (Counter(self.image(update.tokens, renaming) for update in updates) for updates in unit.loose)
-        return (self.image(unit.tokens, renaming), *(frozenset(counted.items()) for counted in loose))
-
-    def outline(self, token: Token) -> Hashable:
-        """The common part of a token and of all that it may be mapped to."""
-        return without_names(self.index_types, token)
-
     def _term_image(self, term: Term, renaming: Renaming) -> Hashable:
         if isinstance(term, UnorderedJunction):
             parts = Counter(self._term_image(part, renaming) for part in term.parts)
             return term.conjunctive, frozenset(parts.items())
         return self.image(term, renaming)
 
-    def _moved_atoms(self, renaming: Renaming) -> set[Atom]:
-        return {
-            *renaming.variables,
-            *map(ProcessNumber, renaming.processes),
-            *((root, value) for root, moved in renaming.values.items() for value in moved),
-        }
-
     # ---- the proof --------------------------------------------------------------------------------------------------
 
     def objection(self, renaming: Renaming) -> AsymmetryReason | None:
         """The reason why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
-        moved = self._moved_atoms(renaming)
+        moved = renaming.atoms()
         return (
             self._index_types_objection(renaming)
             or self._process_objection(renaming)
@@ -170,7 +168,7 @@ class NetworkTerms:
 
     def objection_of_predicates(self, renaming: Renaming) -> AsymmetryReason | None:
         """Like `objection`, for a renaming that maps the network without predicates onto itself."""
-        return self._index_types_objection(renaming) or self._predicate_objection(renaming, self._moved_atoms(renaming))
+        return self._index_types_objection(renaming) or self._predicate_objection(renaming, renaming.atoms())
 
     def _index_types_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         for root in renaming.values:
@@ -263,46 +261,44 @@ class NetworkTerms:
         """True if every transition finds the initial value in it."""
         return variable in self.reader.known.values or self.network.resets(variable)
 
-    def _text_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:
+    def _text_objection(self, renaming: Renaming, moved: Mapping[Atom, Atom]) -> AsymmetryReason | None:
         for one, other in renaming.processes.items():
-            locations = zip(self.locations[one], self.locations[other], strict=True)
-            odd = next((image for unit, image in locations if not self._becomes(unit, image, renaming)), None)
+            locations = zip(self.location_texts[one], self.location_texts[other], strict=True)
+            odd = next((image for text, image in locations if self.texts.renamed(text, moved) != image.same), None)
             if odd is None:
-                number = self._without_image(self.edges[one], self.edges[other], renaming)
-                odd = None if number is None else self.edges[other][number]
+                number = self._without_image(self.edge_texts[one], self.edge_texts[other], moved)
+                odd = None if number is None else self.edge_texts[other][number]
             if odd is not None:
                 return AsymmetryReason("their texts differ in more than their own numbers and variables", odd.span)
-        edges: dict[int, list[TermUnit]] = {}
+        edges: dict[int, list[UnitText]] = {}
         for process, is_edge, number in sorted(set(self._places(moved))):
             if process in renaming.processes:
                 continue
             if is_edge:
-                edges.setdefault(process, []).append(self.edges[process][number])
+                edges.setdefault(process, []).append(self.edge_texts[process][number])
                 continue
-            unit = self.locations[process][number]
-            if not self._becomes(unit, unit, renaming):
+            text = self.location_texts[process][number]
+            if self.texts.renamed(text, moved) != text.same:
                 return AsymmetryReason(
-                    f"the process {self.network.processes[process].name} distinguishes them here", unit.span
+                    f"the process {self.network.processes[process].name} distinguishes them here", text.span
                 )
-        for process, units in edges.items():
-            number = self._without_image(units, units, renaming)
+        for process, texts in edges.items():
+            number = self._without_image(texts, texts, moved)
             if number is not None:
                 name = self.network.processes[process].name
-                return AsymmetryReason(f"the process {name} distinguishes them here", units[number].span)
+                return AsymmetryReason(f"the process {name} distinguishes them here", texts[number].span)
         return None
 
-    def _becomes(self, unit: TermUnit, image: TermUnit, renaming: Renaming) -> bool:
-        return self.text(unit, renaming) == self.text(image, Renaming())
-
-    def _without_image(self, units: Sequence[TermUnit], images: Sequence[TermUnit], renaming: Renaming) -> int | None:
+    def _without_image(
+        self, texts: Sequence[UnitText], images: Sequence[UnitText], moved: Mapping[Atom, Atom]
+    ) -> int | None:
         """The number of the first unit that becomes none of equally many images."""
-        same = Renaming()
-        present = Counter(self.text(image, same) for image in images)
-        for number, unit in enumerate(units):
-            renamed = self.text(unit, renaming)
-            present[renamed] -= 1
-            if present[renamed] < 0:
+        left = Counter(image.same for image in images)
+        for number, text in enumerate(texts):
+            renamed = self.texts.renamed(text, moved)
+            if renamed is None or not left[renamed]:
                 return number
+            left[renamed] -= 1
         return None
 
     def _places(self, moved: Iterable[Atom]) -> Iterator[tuple[int, bool, int]]:
@@ -313,7 +309,7 @@ class NetworkTerms:
         """The edges that mention one of them: processes and numbers."""
         return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
 
-    def _predicate_objection(self, renaming: Renaming, moved: set[Atom]) -> AsymmetryReason | None:
+    def _predicate_objection(self, renaming: Renaming, moved: Mapping[Atom, Atom]) -> AsymmetryReason | None:
         for parts, mentioning in self._predicate_sets:
             numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
             touched = [parts[number] for number in numbers]
@@ -381,4 +377,5 @@ def read(
         locations.append([read_location(reader, number, each) for each in process.locations])
         taken = (edge for place, edge in enumerate(process.edges) if (number, place) not in never)
         edges.append(sorted((read_edge(reader, number, each, rank) for each in taken), key=rank))
-    return NetworkTerms(network, reader, locations, edges, [predicate_term(reader, each) for each in predicates])
+    terms = [predicate_term(reader, each) for each in predicates]
+    return NetworkTerms(network, reader, locations, edges, terms, UnitTexts(reader.index_types))

@@ -8,12 +8,12 @@ processes of one colour need be tried.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Sequence
 
-from tachk.engine.symmetry.automorphism import Atom, NetworkTerms
-from tachk.engine.symmetry.colour_refinement import numbered, refined
-from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, Token
-from tachk.engine.symmetry.units import TermUnit
+from tachk.engine.symmetry.automorphism import NetworkTerms
+from tachk.engine.symmetry.colour_refinement import Line, numbered, refined
+from tachk.engine.symmetry.terms import ProcessNumber
+from tachk.engine.symmetry.unit_texts import Atom, UnitText
 
 _Mention = tuple[Hashable, Atom]
 """The place of a mention in a location or an edge, and the atom that is mentioned there."""
@@ -27,17 +27,13 @@ def equitable_partition(terms: NetworkTerms) -> Sequence[int]:
 
 
 def _refined(terms: NetworkTerms) -> Sequence[int]:
-    outline = terms.outline
-    texts = [
+    lines: list[list[Line[Atom]]] = [
         [
-            *((("location", place, unit.text(outline)), _mentions(terms, unit)) for place, unit in enumerate(here)),
-            *((unit.text(outline), _mentions(terms, unit)) for unit in edges),
+            *((("location", place, text.pattern), _mentions(text)) for place, text in enumerate(here)),
+            *((text.pattern, _mentions(text)) for text in edges),
         ]
-        for here, edges in zip(terms.locations, terms.edges, strict=True)
+        for here, edges in zip(terms.location_texts, terms.edge_texts, strict=True)
     ]
-    shapes = numbered(text for own in texts for text, _ in own)
-    shaped = iter(shapes)
-    lines = [[(next(shaped), mentions) for _, mentions in own] for own in texts]
     atoms = list(dict.fromkeys(atom for own in lines for _, mentions in own for _, atom in mentions))
     processes = numbered(frozenset(Counter(shape for shape, _ in own).items()) for own in lines)
     colours = dict(zip(atoms, numbered(map(_shape, atoms)), strict=True))
@@ -54,19 +50,9 @@ def _shape(atom: Atom) -> Hashable:
             return atom.type
 
 
-def _mentions(terms: NetworkTerms, unit: TermUnit) -> list[_Mention]:
-    found = list(_mentioned(terms, unit.tokens, ()))
-    for number, updates in enumerate(unit.loose):
+def _mentions(text: UnitText) -> list[_Mention]:
+    found: list[_Mention] = list(enumerate(text.atoms))
+    for number, updates in enumerate(text.loose):
         for update in updates:
-            found += _mentioned(terms, update.tokens, (number, tuple(map(terms.outline, update.tokens))))
+            found += (((number, update.pattern, place), atom) for place, atom in enumerate(update.atoms))
     return found
-
-
-def _mentioned(terms: NetworkTerms, tokens: Iterable[Token], where: Hashable) -> Iterator[_Mention]:
-    for place, token in enumerate(tokens):
-        if isinstance(token, IndexValue):
-            root, shift = terms.index_types.find(token.node)
-            if terms.index_types.plain(root) is None:
-                yield (where, place), (root, token.value - shift)
-        elif isinstance(token, ProcessNumber) or not isinstance(token, str | tuple):
-            yield (where, place), token

@@ -11,21 +11,22 @@ the others, are matched too. Candidates that are still equal are matched in thei
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from itertools import repeat
 
-from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import Atom, NetworkTerms, Renaming
-from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, Token
-from tachk.engine.symmetry.units import TermUnit
-from tachk.model.expressions import Variable
+from tachk.engine.symmetry.automorphism import NetworkTerms
+from tachk.engine.symmetry.terms import ProcessNumber, Token
+from tachk.engine.symmetry.unit_texts import Atom, UnitText
 
-Alike = tuple[Sequence[TermUnit], Sequence[TermUnit]]
-"""Units and the candidates that they are matched with in some order: equally many of each outline."""
+Alike = tuple[Sequence[UnitText], Sequence[UnitText]]
+"""Texts and the candidates that they are matched with in some order: equally many of each outline."""
 
 
 def corresponding(terms: NetworkTerms, processes: Mapping[int, int]) -> Iterator[tuple[Token, Token, Span]]:
-    """The pairs of tokens at matched places of each process and of its image, and of their declared variables."""
+    """The pairs of tokens at matched places of each process and of its image, and of their declared variables.
+
+    Tokens that are equal and not names may be left out.
+    """
     matching = _Matching(terms, processes)
     left: list[Alike] = []
     for one, other in processes.items():
@@ -33,126 +34,107 @@ def corresponding(terms: NetworkTerms, processes: Mapping[int, int]) -> Iterator
         for variable, its_image in zip(first.variables, second.variables, strict=True):
             matching.note(variable, its_image)
             yield variable, its_image, its_image.span
-        for unit, image in zip(terms.locations[one], terms.locations[other], strict=True):
-            left.append(([unit], [image]))
-        left.append((terms.edges[one], terms.edges[other]))
+        for text, image in zip(terms.location_texts[one], terms.location_texts[other], strict=True):
+            left.append(([text], [image]))
+        left.append((terms.edge_texts[one], terms.edge_texts[other]))
     while left:
         divided = [part for similar in left for part in matching.divided_classes(*similar)]
         left = [part for part in divided if len(part[0]) > 1]
-        found = [(unit, image) for (unit, *more), (image, *_) in divided if not more]
+        found = [(text, image) for (text, *more), (image, *_) in divided if not more]
         if not found:
             partners = matching.partners(left)
             left += partners
             if not partners:
                 found = matching.guessed(*left.pop(0))
-        for unit, image in found:
-            for token, its_token in zip(unit.tokens, image.tokens, strict=True):
-                matching.note(token, its_token)
-                yield token, its_token, image.span
-            left += zip(unit.loose, image.loose, strict=True)
+        for text, image in found:
+            yield from matching.note_all(text, image)
+            left += zip(text.loose, image.loose, strict=True)
         if not left:
             left = matching.partners(left)
 
 
-@dataclass(slots=True)
 class _Matching:
-    """The pairs that are matched so far.
+    """The pairs that are matched so far."""
 
-    Attributes:
-        images, sources: of variables and numbers.
-        symmetrised: the edges of fixed processes that have been matched.
-    """
+    def __init__(self, terms: NetworkTerms, processes: Mapping[int, int]) -> None:
+        self._terms = terms
+        self._processes = processes
+        self._images: dict[Atom, Atom] = {}
+        self._reached: dict[Atom, Atom] = {}  # images, each with itself
+        self._moved: dict[Atom, None] = {}  # those that are not their own image
+        self._followed: set[Atom] = set()
+        self._symmetrised: set[tuple[int, int]] = set()
+        for atom in terms.tested:
+            self._images[atom] = ProcessNumber(processes.get(atom.process, atom.process))
+            self._reached[atom] = atom
 
-    terms: NetworkTerms
-    processes: Mapping[int, int]
-    images: dict[Atom, Atom] = field(default_factory=dict)
-    sources: dict[Atom, Atom] = field(default_factory=dict)
-    symmetrised: set[tuple[int, int]] = field(default_factory=set)
+    def note(self, atom: Atom, image: Atom) -> None:
+        if isinstance(atom, ProcessNumber):
+            return
+        if self._images.setdefault(atom, image) != atom:
+            self._moved[atom] = None
+        self._reached.setdefault(image, image)
 
-    def note(self, token: Token, image: Token) -> None:
-        one, other = self._atom(token), self._atom(image)
-        if one is not None and other is not None:
-            self.images.setdefault(one, other)
-            self.sources.setdefault(other, one)
+    def note_all(self, text: UnitText, image: UnitText) -> Iterator[tuple[Token, Token, Span]]:
+        """Notes that the names of a text become those of its image; the pairs of tokens."""
+        if text.pattern == image.pattern:
+            for atom, its_image in zip(text.atoms, image.atoms, strict=True):
+                self.note(atom, its_image)
+            return zip(text.tokens, image.tokens, repeat(image.span))
+        pairs = list(zip(text.unit.tokens, image.unit.tokens, strict=True))
+        names, its_names = (dict(zip(each.tokens, each.atoms, strict=True)) for each in (text, image))
+        for token, its_token in pairs:
+            if token in names and its_token in its_names:
+                self.note(names[token], its_names[its_token])
+        return ((token, its_token, image.span) for token, its_token in pairs)
 
-    def divided_classes(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> Iterable[Alike]:
-        """Units that correspond to each other in some order, as far as that is decided; those without a counterpart
+    def divided_classes(self, texts: Sequence[UnitText], images: Sequence[UnitText]) -> Iterable[Alike]:
+        """Texts that correspond to each other in some order, as far as that is decided; those without a counterpart
         correspond to one of the same outline."""
-        if len(units) <= 1:
-            return [(units, images)] if units else []
-        classes: dict[Hashable, tuple[list[TermUnit], list[TermUnit]]] = {}
-        for unit in units:
-            classes.setdefault(unit.text(self._image_outline), ([], []))[0].append(unit)
+        if len(texts) <= 1:
+            return [(texts, images)] if texts else []
+        classes: dict[Hashable, tuple[list[UnitText], list[UnitText]]] = {}
+        for text in texts:
+            classes.setdefault(text.known(self._images), ([], []))[0].append(text)
         for image in images:
-            classes.setdefault(image.text(self._outline), ([], []))[1].append(image)
+            classes.setdefault(image.known(self._reached), ([], []))[1].append(image)
         similar = [each for each in classes.values() if len(each[0]) == len(each[1])]
-        lonely: dict[Hashable, tuple[list[TermUnit], list[TermUnit]]] = {}
+        if len(similar) == len(classes):
+            return similar
+        lonely: dict[Hashable, tuple[list[UnitText], list[UnitText]]] = {}
         for own, its_images in classes.values():
             if len(own) != len(its_images):
-                for side, one in (*((0, unit) for unit in own), *((1, image) for image in its_images)):
-                    lonely.setdefault(one.outline, ([], []))[side].append(one)
-        return [*similar, *(([unit], [image]) for each in lonely.values() for unit, image in zip(*each, strict=True))]
+                for side, one in (*((0, text) for text in own), *((1, image) for image in its_images)):
+                    lonely.setdefault(one.unit.outline, ([], []))[side].append(one)
+        return [*similar, *(([text], [image]) for each in lonely.values() for text, image in zip(*each, strict=True))]
 
     def partners(self, left: Iterable[Alike]) -> list[Alike]:
         """Edges of processes that stay and mention something that moves, or that what is left mentions and of which
         nothing is known. Edges of one process become each other."""
-        atoms = {one for one, other in self.images.items() if one != other}
-        tokens = (token for units, _ in left for unit in units for token in unit.every_token)
-        atoms |= {atom for atom in map(self._atom, tokens) if atom is not None and atom not in self.images}
-        found: dict[int, list[TermUnit]] = {}
-        for process, number in sorted(self.terms.edges_with(atoms) - self.symmetrised):
-            if process not in self.processes:
-                self.symmetrised.add((process, number))
-                found.setdefault(process, []).append(self.terms.edges[process][number])
-        return [(units, units) for units in found.values()]
+        atoms = {*self._moved}
+        atoms.update(atom for texts, _ in left for text in texts for atom in text.names if atom not in self._images)
+        atoms -= self._followed
+        self._followed |= atoms
+        found: dict[int, list[UnitText]] = {}
+        for process, number in sorted(self._terms.edges_with(atoms) - self._symmetrised):
+            if process not in self._processes:
+                self._symmetrised.add((process, number))
+                found.setdefault(process, []).append(self._terms.edge_texts[process][number])
+        return [(texts, texts) for texts in found.values()]
 
-    def guessed(self, units: Sequence[TermUnit], images: Sequence[TermUnit]) -> list[tuple[TermUnit, TermUnit]]:
-        """Pairs of units with the same text: those that map to each other if everything stays that is not known to
-        move, for a transposition or a process that stays; all of them in their order if there are none."""
-        if self.processes.get(images[0].process, images[0].process) == units[0].process:
-            known = Renaming({**self.processes}, *self._moves())
-            places: dict[Hashable, list[TermUnit]] = {}
+    def guessed(self, texts: Sequence[UnitText], images: Sequence[UnitText]) -> list[tuple[UnitText, UnitText]]:
+        """Pairs with the same text: those that map to each other if everything stays that is not known to move, for a
+        transposition or a process that stays; all of them in their order if there are none."""
+        process, its_image = texts[0].unit.process, images[0].unit.process
+        if self._processes.get(its_image, its_image) == process:
+            places: dict[int | None, list[UnitText]] = {}
             for image in images:
-                places.setdefault(self.terms.text(image, Renaming()), []).append(image)
+                places.setdefault(image.same, []).append(image)
             found = []
-            for unit in units:
-                similar = places.get(self.terms.text(unit, known))
+            for text in texts:
+                similar = places.get(self._terms.texts.renamed(text, self._images))
                 if similar:
-                    found.append((unit, similar.pop(0)))
-            if len(found) == len(units):
+                    found.append((text, similar.pop(0)))
+            if len(found) == len(texts):
                 return found
-        return list(zip(units, images, strict=True))
-
-    def _moves(self) -> tuple[dict[Variable, Variable], dict[int, dict[int, int]]]:
-        variables: dict[Variable, Variable] = {}
-        values: dict[int, dict[int, int]] = {}
-        for one, other in self.images.items():
-            if isinstance(one, Variable) and isinstance(other, Variable):
-                variables[one] = other
-            elif not isinstance(one, Variable | ProcessNumber) and not isinstance(other, Variable | ProcessNumber):
-                values.setdefault(one[0], {})[one[1]] = other[1]
-        return variables, values
-
-    def _image_outline(self, token: Token) -> Hashable:
-        """The image of a token as far as it is known."""
-        if isinstance(token, ProcessNumber):
-            return ProcessNumber(self.processes.get(token.process, token.process))
-        atom = self._atom(token)
-        return self.terms.outline(token) if atom is None else self.images.get(atom) or self.terms.outline(token)
-
-    def _outline(self, token: Token) -> Hashable:
-        """The same of a token that is an image."""
-        if isinstance(token, ProcessNumber):
-            return token
-        atom = self._atom(token)
-        return atom if atom in self.sources else self.terms.outline(token)
-
-    def _atom(self, token: Token) -> Atom | None:
-        """A variable, or a number that is a name."""
-        if isinstance(token, Variable):
-            return token
-        if not isinstance(token, IndexValue):
-            return None
-        index_types = self.terms.index_types
-        root, shift = index_types.find(token.node)
-        return (root, token.value - shift) if index_types.plain(root) is None else None
+        return list(zip(texts, images, strict=True))
