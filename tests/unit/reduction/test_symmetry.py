@@ -8,7 +8,7 @@ import pytest
 import tachk
 from tachk import Limits
 from tachk.base.resources import data_root
-from tachk.engine.symmetry import detection
+from tachk.engine.symmetry import detection, transpositions
 from tachk.engine.symmetry.detection import find_symmetry, search_symmetry
 from tachk.engine.symmetry.index_types import AsymmetryReason
 from tests.support.seeds import enough, seeds
@@ -238,7 +238,7 @@ def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch
         tried += 1
         return AsymmetryReason("they differ")
 
-    monkeypatch.setattr(detection, "transposition_of", transposition_of)
+    monkeypatch.setattr(transpositions, "transposition_of", transposition_of)
     text = "process P(const int me) { init location L { to M { guard me > 0; } } location M; }\n"
     text += "".join(f"P{n} = P({n + 1});\n" for n in range(40)) + f"system {', '.join(f'P{n}' for n in range(40))};"
     assert found(text=text)[0] == []
@@ -247,14 +247,14 @@ def test_processes_that_all_differ_take_no_longer_than_they_are_many(monkeypatch
 
 def test_processes_in_which_different_constants_stand_are_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0
-    transposition_of = detection.transposition_of
+    transposition_of = transpositions.transposition_of
 
     def counted(*given: object) -> object:
         nonlocal tried
         tried += 1
         return transposition_of(*given)
 
-    monkeypatch.setattr(detection, "transposition_of", counted)
+    monkeypatch.setattr(transpositions, "transposition_of", counted)
     processes = "".join(
         f"process P{n}() {{ init location L {{ to L {{ sync to{n}!; }} }} }}\n"
         f"process Q{n}() {{ init location L {{ to L {{ guard x > {n}; sync to{n}?; }} }} }}\n"

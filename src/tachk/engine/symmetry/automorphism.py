@@ -17,7 +17,7 @@ from dataclasses import field, replace
 
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, RecordTree, Tree
+from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, Range, RecordTree, Tree
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
 from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, slot_nodes
 from tachk.engine.symmetry.unit_texts import Atom, UnitText, UnitTexts
@@ -27,6 +27,13 @@ from tachk.model.network import Network
 from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, slot_count
 from tachk.model.variable_layout import default_values
+
+Block = tuple[int, ...]
+"""The numbers of processes that are only moved together, such as a cell and its arbiter; often a single one."""
+
+_Limit = tuple[int, Range]
+"""The shift of a node of an index type, and numbers that are limited there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Renaming:
@@ -55,6 +62,24 @@ class Renaming:
 
 
 @dataclass(slots=True)
+class KnownRenamings:
+    """The renamings of a network that were tried.
+
+    Attributes:
+        transpositions: by two blocks: proved for the network without predicates, or the reason why there is none.
+        rotations: the same by families of processes and a step.
+        places: for each process of a block that can be exchanged with others: the number of the orbit, its place in
+            the block, the number of the block.
+        refuted: the reasons for the blocks that cannot be exchanged, by what the orbits leave of their numbers.
+    """
+
+    transpositions: dict[tuple[Block, Block], Renaming | AsymmetryReason] = field(default_factory=dict)
+    rotations: dict[tuple[tuple[Block, ...], int], Renaming | AsymmetryReason] = field(default_factory=dict)
+    places: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+    refuted: dict[Hashable, AsymmetryReason] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
 class NetworkTerms:
     """A network and its predicates as terms.
 
@@ -63,6 +88,8 @@ class NetworkTerms:
         location_texts, edge_texts: their texts, once the index types are settled.
         tested: the processes whose locations are tested somewhere.
         colours: the equitable partition (`tachk.engine.symmetry.equitable_partition`) once it is computed.
+        without_predicates: those of the network alone, if these were made of them.
+        shared: what is known about the renamings of the network, whatever the predicates.
     """
 
     network: Network
@@ -75,13 +102,21 @@ class NetworkTerms:
     edge_texts: list[list[UnitText]] = field(default_factory=list)
     tested: frozenset[ProcessNumber] = frozenset()
     colours: Sequence[int] | None = None
+    without_predicates: NetworkTerms | None = None
+    shared: KnownRenamings = field(default_factory=lambda: KnownRenamings())
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
+    _limits: dict[int, tuple[list[_Limit], list[_Limit], list[_Limit]]] = field(default_factory=dict)
     _of_index_type: dict[int, list[Variable]] = field(default_factory=dict)
     _predicate_sets: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
 
     @property
     def index_types(self) -> IndexTypes:
         return self.reader.index_types
+
+    @property
+    def of_network(self) -> NetworkTerms:
+        """Those that decide whether a renaming maps the network onto itself."""
+        return self.without_predicates or self
 
     def settle(self) -> None:
         """Ends the unification of index types, and indexes the units by the atoms that they mention."""
@@ -117,7 +152,9 @@ class NetworkTerms:
         terms = [predicate_term(reader, each) for each in predicates]
         if any(reader.index_types.find(root)[0] != root for root in roots):
             return None
-        with_predicates = replace(self, reader=reader, predicates=terms, _predicate_sets=[])
+        with_predicates = replace(
+            self, reader=reader, predicates=terms, without_predicates=self.of_network, _limits={}, _predicate_sets=[]
+        )
         with_predicates._note_predicates()
         return with_predicates
 
@@ -157,37 +194,58 @@ class NetworkTerms:
 
     def objection(self, renaming: Renaming) -> AsymmetryReason | None:
         """The reason why a renaming, which is a permutation, does not map the network onto itself; None if it does."""
-        moved = renaming.atoms()
         return (
             self._index_types_objection(renaming)
             or self._process_objection(renaming)
             or self._variable_objection(renaming)
-            or self._text_objection(renaming, moved)
-            or self._predicate_objection(renaming, moved)
+            or self._text_objection(renaming, renaming.atoms())
         )
 
     def objection_of_predicates(self, renaming: Renaming) -> AsymmetryReason | None:
-        """Like `objection`, for a renaming that maps the network without predicates onto itself."""
+        """The reason why a renaming, which maps the network onto itself, does not keep the predicates; or None."""
         return self._index_types_objection(renaming) or self._predicate_objection(renaming, renaming.atoms())
+
+    def objection_of_tests(self, processes: Mapping[int, int]) -> AsymmetryReason | None:
+        """The reason why no renaming that moves the processes so keeps the predicates, as far as the processes named in
+        tests of locations show; or None."""
+        moved = Renaming(processes).atoms()
+        for parts, mentioning in self._predicate_sets:
+            touched = [parts[number] for number in {number for atom in moved for number in mentioning.get(atom, ())}]
+            if Counter(_tests(part, {}) for part in touched) != Counter(_tests(part, processes) for part in touched):
+                return AsymmetryReason("the query distinguishes them")
+        return None
 
     def _index_types_objection(self, renaming: Renaming) -> AsymmetryReason | None:
         for root in renaming.values:
             plain = self.no_name(root)
             if plain is not None:
                 return plain
-        for limit in self.index_types.ranges:
-            root, shift = self.index_types.find(limit.node)
-            for value, image in renaming.values.get(root, {}).items():
+        for root, moved in renaming.values.items():
+            objection = self._limits_objection(root, moved)
+            if objection is not None:
+                return objection
+        return None
+
+    def _limits_objection(self, root: int, moved: Mapping[int, int]) -> AsymmetryReason | None:
+        if not self._limits:
+            kinds = self.index_types
+            for kind, all_limits in enumerate((kinds.ranges, kinds.cycles, kinds.defaults)):
+                for limit in all_limits:
+                    one, shift = kinds.find(limit.node)
+                    self._limits.setdefault(one, ([], [], []))[kind].append((shift, limit))
+        ranges, cycles, defaults = self._limits.get(root, ((), (), ()))
+        for shift, limit in ranges:
+            for value, image in moved.items():
                 if (limit.low <= value + shift <= limit.high) != (limit.low <= image + shift <= limit.high):
                     reason = f"the range [{limit.low}, {limit.high}] holds the number of one and not that of another"
                     return AsymmetryReason(reason, limit.span)
-        for cycle in self.index_types.cycles:
+        for shift, cycle in cycles:
             size = cycle.high + 1
-            images = [renaming.value(self.index_types, cycle.node, value) for value in range(size)]
+            images = [moved.get(value - shift, value - shift) + shift for value in range(size)]
             if images != [(value + images[0]) % size for value in range(size)]:
                 return AsymmetryReason(f"the model counts round with them, modulo {size}", cycle.span)
-        for default in self.index_types.defaults:
-            if renaming.value(self.index_types, default.node, default.low) != default.low:
+        for shift, default in defaults:
+            if moved.get(default.low - shift, default.low - shift) + shift != default.low:
                 return AsymmetryReason(f"a variable begins with {default.low}, the number of one of them", default.span)
         return None
 
@@ -317,6 +375,20 @@ class NetworkTerms:
             if before != Counter(self._term_image(part, renaming) for part in touched):
                 return AsymmetryReason("the query distinguishes them")
         return None
+
+
+def _tests(term: Term, processes: Mapping[int, int]) -> Hashable:
+    """A term without names other than those of processes; these are renamed."""
+    if isinstance(term, UnorderedJunction):
+        return term.conjunctive, frozenset(Counter(_tests(part, processes) for part in term.parts).items())
+    return tuple(
+        ProcessNumber(processes.get(token.process, token.process))
+        if isinstance(token, ProcessNumber)
+        else type(token).__name__
+        if isinstance(token, Variable | IndexValue)
+        else token
+        for token in term
+    )
 
 
 def _is_verb(reason: str) -> bool:

@@ -12,16 +12,13 @@ from itertools import combinations
 from typing import TypeVar
 
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
+from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming
 from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.matching import corresponding
 from tachk.engine.symmetry.terms import IndexValue, Shift
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType
 from tachk.model.variable_layout import default_values
-
-Block = tuple[int, ...]
-"""The numbers of processes that are only moved together, such as a cell and its arbiter; often a single one."""
 
 T = TypeVar("T", bound=Hashable)
 
@@ -47,26 +44,40 @@ def find_cyclic_orbit(terms: NetworkTerms, families: Sequence[Sequence[int]]) ->
     for step in range(1, size // 2 + 1):
         if size % step != 0:
             continue
-        rotation = _rotation(terms, families, step)
+        rotation = _proved_rotation(terms, families, step)
         if isinstance(rotation, Renaming):
-            objection = terms.objection(rotation)
-            if objection is None:
-                blocks = [
-                    tuple(number for family in families for number in family[at : at + step])
-                    for at in range(0, size, step)
-                ]
-                return CyclicOrbit(tuple(blocks), rotation)
-        else:
-            objection = rotation
-        reason = reason or objection
+            blocks = [
+                tuple(number for family in families for number in family[at : at + step])
+                for at in range(0, size, step)
+            ]
+            return CyclicOrbit(tuple(blocks), rotation)
+        reason = reason or rotation
     return reason or AsymmetryReason("there is only one of them")
 
 
-def _rotation(terms: NetworkTerms, families: Sequence[Sequence[int]], step: int) -> Renaming | AsymmetryReason:
-    """The renaming that moves each process of a family to the place of the process `step` places later."""
+def _proved_rotation(
+    terms: NetworkTerms, families: Sequence[Sequence[int]], step: int
+) -> Renaming | AsymmetryReason:
+    """The renaming that moves each process of a family to the place of the process `step` places later, if it is an
+    automorphism; or the reason why it is not."""
     processes = {
         number: family[(place + step) % len(family)] for family in families for place, number in enumerate(family)
     }
+    objection = terms.objection_of_tests(processes)
+    if objection is not None:
+        return objection
+    network, key = terms.of_network, (tuple(map(tuple, families)), step)
+    found = terms.shared.rotations.get(key)
+    if found is None:
+        found = _rotation(network, processes, len(families[0]) // step)
+        if isinstance(found, Renaming):
+            found = network.objection(found) or found
+        terms.shared.rotations[key] = found
+    return found if isinstance(found, AsymmetryReason) else terms.objection_of_predicates(found) or found
+
+
+def _rotation(terms: NetworkTerms, processes: Mapping[int, int], turns: int) -> Renaming | AsymmetryReason:
+    """A renaming that moves the processes so and returns after so many turns; it is not proved yet."""
     variables: dict[Variable, Variable] = {}
     values: dict[int, dict[int, int]] = {}
 
@@ -92,7 +103,6 @@ def _rotation(terms: NetworkTerms, families: Sequence[Sequence[int]], step: int)
     moved = {one: other for one, other in variables.items() if one is not other}
     moved_values = {root: {one: other for one, other in of.items() if one != other} for root, of in values.items()}
     moved_values = {root: of for root, of in moved_values.items() if of}
-    turns = len(families[0]) // step
     if not _returns_after(turns, moved) or not all(_returns_after(turns, of) for of in moved_values.values()):
         return AsymmetryReason("what belongs to them does not go round with them")
     return Renaming(processes, moved, moved_values)

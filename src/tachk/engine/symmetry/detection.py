@@ -17,14 +17,14 @@ from tachk.analysis.failures import location_can_fail
 from tachk.analysis.fold import known_values
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming, read
+from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming, read
 from tachk.engine.symmetry.broadcasts import order_matters
 from tachk.engine.symmetry.coarse_partition import coarse_partition
-from tachk.engine.symmetry.cyclic_symmetry import Block, CyclicOrbit, find_cyclic_orbit, subsets
+from tachk.engine.symmetry.cyclic_symmetry import CyclicOrbit, find_cyclic_orbit, subsets
 from tachk.engine.symmetry.equitable_partition import equitable_partition
 from tachk.engine.symmetry.index_types import AsymmetryReason
-from tachk.engine.symmetry.matching import corresponding
-from tachk.engine.symmetry.terms import IndexValue, Shift, Token
+from tachk.engine.symmetry.terms import IndexValue, Token
+from tachk.engine.symmetry.transpositions import note_orbits, proved_transposition
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Network
 from tachk.model.remembered import by_network
@@ -98,7 +98,7 @@ class Symmetry:
         """The reasons why instances of one template cannot be exchanged."""
         processes = self.terms.network.processes
         for asymmetry in self.asymmetries:
-            reason = asymmetry.reason or _proved(self.terms, asymmetry.one, asymmetry.other)
+            reason = asymmetry.reason or proved_transposition(self.terms, asymmetry.one, asymmetry.other)
             assert isinstance(reason, AsymmetryReason)
             first, second = processes[asymmetry.one[0]], processes[asymmetry.other[0]]
             yield Difference(first.template, first.name, second.name, reason)
@@ -117,8 +117,11 @@ def _found(network: Network, predicates: tuple[Expression, ...]) -> Symmetry:
     if predicates:
         without_predicates = _found(network, ())
         terms = without_predicates.terms.with_predicates(predicates)
-        if terms is not None and not any(map(terms.objection_of_predicates, without_predicates.renamings)):
-            return replace(without_predicates, terms=terms)
+        if terms is not None:
+            if not any(map(terms.objection_of_predicates, without_predicates.renamings)):
+                return replace(without_predicates, terms=terms)
+            if terms.index_types.keeps_names_of(without_predicates.terms.index_types):
+                return _symmetry(terms, list(_candidates(terms)))
     return search_symmetry(network, predicates)
 
 
@@ -131,6 +134,13 @@ def search_symmetry(network: Network, predicates: Sequence[Expression]) -> Symme
         for other in members[1:]:
             _align(terms, members[0], other)
     terms.settle()
+    found = _symmetry(terms, candidates)
+    if not predicates:
+        note_orbits(terms, [group.members for group in found.groups])
+    return found
+
+
+def _symmetry(terms: NetworkTerms, candidates: Iterable[Sequence[int]]) -> Symmetry:
     cycles, found = _with_cyclic_orbits(terms, _searches(terms, candidates))
     groups = tuple(group for search in found for group in search.groups)
     asymmetries = tuple(search.asymmetry for search in found if search.asymmetry is not None)
@@ -337,7 +347,7 @@ def _orbits(
     for block in blocks:
         similar = found.setdefault(tuple(colours[member] for member in block), [])
         for numbers, transpositions in similar if failures < most_failures else ():
-            transposition = _proved(terms, numbers[0], block)
+            transposition = proved_transposition(terms, numbers[0], block)
             if isinstance(transposition, Renaming):
                 numbers.append(block)
                 transpositions.append(transposition)
@@ -352,40 +362,3 @@ def _orbits(
         asymmetry = Asymmetry(one[0], other[0])
     classes = chain.from_iterable(found.values())
     return [SymmetricOrbit(tuple(numbers), tuple(transpositions)) for numbers, transpositions in classes], asymmetry
-
-
-def _proved(terms: NetworkTerms, one: Block, other: Block) -> Renaming | AsymmetryReason:
-    """The transposition of two blocks if it is an automorphism, or the reason why it is not."""
-    transposition = transposition_of(terms, one, other)
-    return (
-        transposition if isinstance(transposition, AsymmetryReason) else terms.objection(transposition) or transposition
-    )
-
-
-def transposition_of(terms: NetworkTerms, one: Block, other: Block) -> Renaming | AsymmetryReason:
-    """The transposition of two blocks with the variables and numbers in which the texts of their processes differ."""
-    variables: dict[Variable, Variable] = {}
-    values: dict[int, dict[int, int]] = {}
-    processes = dict(zip((*one, *other), (*other, *one), strict=True))
-
-    def mapping_error(number: IndexValue, another: IndexValue, span: Span) -> AsymmetryReason | None:
-        if number.value == another.value:
-            return None
-        root, shift = terms.index_types.find(number.node)
-        moved = values.setdefault(root, {})
-        here, there = number.value - shift, another.value - shift
-        if moved.setdefault(here, there) != there or moved.setdefault(there, here) != here:
-            return AsymmetryReason("their numbers do not correspond one to one", span)
-        return terms.no_name(root)
-
-    for token, another, span in corresponding(terms, processes):
-        if isinstance(token, IndexValue) and isinstance(another, IndexValue):
-            reason = mapping_error(token, another, span)
-            if reason is not None:
-                return reason
-        elif isinstance(token, Variable) and isinstance(another, Variable) and token is not another:
-            if variables.setdefault(token, another) is not another or variables.setdefault(another, token) is not token:
-                return AsymmetryReason(f"`{token.name}` and `{another.name}` do not correspond one to one", span)
-        elif isinstance(token, Shift) and token != another:
-            return AsymmetryReason("they compute with their numbers", span)
-    return Renaming(processes, variables, values)

@@ -90,6 +90,10 @@ class IndexTypes:
         """The representatives of the index types: the roots of the union-find forest."""
         return [node for node, parent in enumerate(self._parent) if node == parent]
 
+    def keeps_names_of(self, before: IndexTypes) -> bool:
+        """True if all that were names before it was copied and unified further still are."""
+        return all(root in before._plain or root >= len(before._parent) for root in self._plain)
+
     def fresh(self) -> int:
         """A fresh index type."""
         self._parent.append(len(self._parent))
