@@ -130,6 +130,8 @@ def _copy_bounds(
     """Passes bounds from clocks that copies set to those that they are set to; whether something is new."""
     changed = False
     for process, leaving in enumerate(edges):
+        if not any(edge.copies for edge in leaving):
+            continue
         others = [here for number, of_other in enumerate(bounds) if number != process for here in of_other]
         for edge in leaving:
             for copy in edge.copies:

@@ -137,8 +137,9 @@ def _slot_moves(terms: NetworkTerms, layout: VariableLayout, transposition: Rena
     """The slots that a renaming moves, each with its image."""
     moves: dict[int, int] = {}
     index_types = terms.index_types
-    for variable, first in layout.first.items():
-        target = layout.first[transposition.variables.get(variable, variable)]
+    moved = (variable for variable in terms.moved_variables(transposition) if variable in layout.first)
+    for variable in sorted(moved, key=layout.first.__getitem__):
+        first, target = layout.first[variable], layout.first[transposition.variables.get(variable, variable)]
         images = slot_images(index_types, terms.reader.tree_of(variable), variable.type, transposition)
         for slot, image in enumerate(images):
             if first + slot != target + image:

@@ -76,6 +76,21 @@ def parse_tchecker(source: Source) -> tuple[ast.Document | None, tuple[Diagnosti
 
 
 @dataclass(slots=True)
+class _Participation:
+    """What the edges of processes take part in.
+
+    Attributes:
+        synchronised: the events in some vector, each with its process.
+        uses: channels and what is done with them, by process and event.
+        meetings: by process and the number of its edge.
+    """
+
+    synchronised: set[tuple[str, str]] = field(default_factory=set)
+    uses: dict[tuple[str, str], list[tuple[str, Direction]]] = field(default_factory=dict)
+    meetings: dict[tuple[str, int], list[Meeting]] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
 class _TCheckerReader:
     source: Source
     diagnostics: list[Diagnostic] = field(default_factory=list)
@@ -112,7 +127,8 @@ class _TCheckerReader:
             self._begin_once(process)
         channels = self._channels()
         self._meet()
-        templates = [self._template(name, process, channels) for name, process in self.processes.items()]
+        part = self._participation(channels)
+        templates = [self._template(name, process, part) for name, process in self.processes.items()]
         system = ast.SystemLine(whole, (tuple(process.name for process in self.processes.values()),))
         if not self.processes:
             raise failure("there is no process", whole)
@@ -365,26 +381,31 @@ class _TCheckerReader:
                 updates = tuple(update for edge in taken for update in edge.updates)
                 self.meetings.append(Meeting(channel, chosen, guard_of(chosen, edges, self.places), updates))
 
-    def _template(
-        self, name: str, process: TCheckerProcess, channels: dict[Vector, tuple[str, ast.VariableDeclaration]]
-    ) -> ast.Template:
+    def _participation(self, channels: dict[Vector, tuple[str, ast.VariableDeclaration]]) -> _Participation:
+        part = _Participation()
+        for vector in self.vectors:
+            part.synchronised.update(one[:2] for one in vector.parts)
+        for vector, (channel, _) in channels.items():
+            for one in dict.fromkeys(one[:2] for one in vector.parts):
+                direction = Direction.SEND if vector.parts[0][:2] == one else Direction.RECEIVE
+                part.uses.setdefault(one, []).append((channel, direction))
+        for meeting in self.meetings:
+            for of_process in meeting.edges.items():
+                part.meetings.setdefault(of_process, []).append(meeting)
+        return part
+
+    def _template(self, name: str, process: TCheckerProcess, part: _Participation) -> ast.Template:
         edges: list[ast.EdgeDeclaration] = []
         for number, (event, edge) in enumerate(process.edges):
-            uses = [
-                (channel, Direction.SEND if vector.parts[0][:2] == (name, event) else Direction.RECEIVE)
-                for vector, (channel, _) in channels.items()
-                if (name, event) in [part[:2] for part in vector.parts]
-            ]
-            meetings = [meeting for meeting in self.meetings if meeting.edges.get(name) == number]
-            if not any((name, event) in [part[:2] for part in vector.parts] for vector in self.vectors):
+            if (name, event) not in part.synchronised:
                 edges.append(edge)
-            for meeting in meetings:
+            for meeting in part.meetings.get((name, number), ()):
                 sends = meeting.sender == name
                 direction = Direction.SEND if sends else Direction.RECEIVE
                 label = ast.SynchronisationLabel(edge.span, ast.NameExpression(edge.span, meeting.channel), direction)
                 guard, updates = (meeting.guard, meeting.updates) if sends else (None, ())
                 edges.append(ast.EdgeDeclaration(edge.span, edge.source, edge.target, (), guard, label, updates))
-            for channel, direction in uses:
+            for channel, direction in part.uses.get((name, event), ()):
                 label = ast.SynchronisationLabel(edge.span, ast.NameExpression(edge.span, channel), direction)
                 edges.append(
                     ast.EdgeDeclaration(edge.span, edge.source, edge.target, (), edge.guard, label, edge.updates)
