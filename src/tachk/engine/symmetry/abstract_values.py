@@ -159,7 +159,8 @@ class IsName(_AbstractValue):
         chosen = [range(low, high + 1) for low, high in map(_bounds, edge.selects)]
         if len(values) * prod(map(len, chosen)) > _MOST_COPIES:
             raise NotAbstractableError
-        for value in values:
+        only = _only_value(edge, self._variable)
+        for value in values if only is None else [only] if only in self._range else []:
             for selected in product(*chosen):
                 bound = dict(zip(edge.selects, selected, strict=True))
                 known = replace(self._known, bound={**self._known.bound, **bound})
@@ -273,6 +274,18 @@ def _reads(edge: Edge, variable: Variable) -> bool:
         sets = isinstance(part, Assign) and part.operator is None and part.target == Reference(variable)
         parts.append(part.value if isinstance(part, Assign) and sets else part)
     return variable in mentioned(parts)[1]
+
+
+def _only_value(edge: Edge, variable: Variable) -> int | None:
+    """The value of a variable with which the guard of an edge may be true, where it begins with this test."""
+    match next(conjuncts(edge.guard), None):
+        case (
+            Binary(BinaryOperator.EQUAL, Reference(tested), Constant(value))
+            | Binary(BinaryOperator.EQUAL, Constant(value), Reference(tested))
+        ) if tested is variable:
+            return value
+        case _:
+            return None
 
 
 def _expressions(edge: Edge) -> Iterator[Expression]:

@@ -52,6 +52,17 @@ class Renaming:
         moved = self.values.get(root)
         return value if moved is None else moved.get(value - shift, value - shift) + shift
 
+    def conjugate(self, by: Renaming) -> Renaming:
+        """What this one does among the images under another renaming, which is its own inverse."""
+        return Renaming(
+            {by.processes.get(a, a): by.processes.get(b, b) for a, b in self.processes.items()},
+            {by.variables.get(a, a): by.variables.get(b, b) for a, b in self.variables.items()},
+            {
+                root: {by.values.get(root, {}).get(a, a): by.values.get(root, {}).get(b, b) for a, b in moved.items()}
+                for root, moved in self.values.items()
+            },
+        )
+
     def atoms(self) -> dict[Atom, Atom]:
         """The image of each atom that is moved."""
         moved: dict[Atom, Atom] = {**self.variables}
@@ -68,6 +79,7 @@ class KnownRenamings:
     Attributes:
         transpositions: by two blocks: proved for the network without predicates, or the reason why there is none.
         rotations: the same by families of processes and a step.
+        first_blocks: for each block that can be exchanged with others, the first of them.
         places: for each process of a block that can be exchanged with others: the number of the orbit, its place in
             the block, the number of the block.
         refuted: the reasons for the blocks that cannot be exchanged, by what the orbits leave of their numbers.
@@ -75,6 +87,7 @@ class KnownRenamings:
 
     transpositions: dict[tuple[Block, Block], Renaming | AsymmetryReason] = field(default_factory=dict)
     rotations: dict[tuple[tuple[Block, ...], int], Renaming | AsymmetryReason] = field(default_factory=dict)
+    first_blocks: dict[Block, Block] = field(default_factory=dict)
     places: dict[int, tuple[int, int, int]] = field(default_factory=dict)
     refuted: dict[Hashable, AsymmetryReason] = field(default_factory=dict)
 

@@ -31,10 +31,11 @@ def proved_transposition(terms: NetworkTerms, one: Block, other: Block) -> Renam
 
 
 def note_orbits(terms: NetworkTerms, orbits: Iterable[Sequence[Block]]) -> None:
-    """Notes that the blocks of each orbit can be exchanged, for proofs that follow."""
+    """Notes that the first block of each orbit can be exchanged with each other one, for proofs that follow."""
     shared = terms.shared
     for number, blocks in enumerate(orbits):
         for block_number, block in enumerate(blocks):
+            shared.first_blocks[block] = blocks[0]
             shared.places |= {process: (number, place, block_number) for place, process in enumerate(block)}
     for (one, other), found in shared.transpositions.items():
         if isinstance(found, AsymmetryReason):
@@ -44,7 +45,7 @@ def note_orbits(terms: NetworkTerms, orbits: Iterable[Sequence[Block]]) -> None:
 def _of_network(terms: NetworkTerms, one: Block, other: Block) -> Renaming | AsymmetryReason:
     """The transposition of two blocks if it maps the network without the predicates onto itself."""
     shared, network = terms.shared, terms.of_network
-    known = shared.transpositions.get((one, other))
+    known = shared.transpositions.get((one, other)) or _by_first_blocks(terms, one, other)
     if known is not None:
         return known
     conjugates = _up_to_orbits(terms, one, other)
@@ -58,6 +59,18 @@ def _of_network(terms: NetworkTerms, one: Block, other: Block) -> Renaming | Asy
     if isinstance(found, AsymmetryReason):
         shared.refuted[conjugates] = found
     return found
+
+
+def _by_first_blocks(terms: NetworkTerms, one: Block, other: Block) -> Renaming | None:
+    """The transposition of two blocks of an orbit, made of those with the first block of it."""
+    shared = terms.shared
+    first = shared.first_blocks.get(one)
+    if first is None or first == one or shared.first_blocks.get(other) != first:
+        return None
+    with_one, with_other = (shared.transpositions.get((first, each)) for each in (one, other))
+    if not isinstance(with_one, Renaming) or not isinstance(with_other, Renaming):
+        return None
+    return with_other.conjugate(with_one)
 
 
 def _up_to_orbits(terms: NetworkTerms, one: Block, other: Block) -> Hashable:
