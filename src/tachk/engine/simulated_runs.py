@@ -6,6 +6,7 @@ zones of all runs that have missed one of them are without number. A run proves 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import cycle
@@ -24,6 +25,8 @@ _TRANSITIONS_OF_A_STATE = 8
 """So many transitions take as long as it takes to explore a state."""
 _LEAST_STEPS = 500
 """Of a run, however small the budget is: it is a fraction of a millisecond."""
+_EDGES_OF_A_TRANSITION = 1000
+"""Where more edges than this leave the locations of a state, a transition counts as several."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +51,11 @@ class SimulatedRuns:
         self._found: dict[int, _FoundRun] = {}
         self._numbers = dict.fromkeys(_POLICIES, 0)
         self._transitions = 0
+        self._weight = max(1, _most_leaving(program) // _EDGES_OF_A_TRANSITION)
 
     def budgeted(self, work: int) -> _BudgetedRuns:
         """The search for the goals that are left, with as much work as so many states of a small network take."""
-        return _BudgetedRuns(self, self._drawn(work * _TRANSITIONS_OF_A_STATE))
+        return _BudgetedRuns(self, self._drawn(work * _TRANSITIONS_OF_A_STATE // self._weight))
 
     def _drawn(self, transitions: int) -> Iterator[None]:
         """Draws run after run until the budget is used up, each with the larger part of what is left."""
@@ -60,7 +64,7 @@ class SimulatedRuns:
             left, goal = end - self._transitions, self._open()
             if left <= 0 or goal is None:
                 return
-            self._draw(goal, policy, max(left * 3 // 4, _LEAST_STEPS))
+            self._draw(goal, policy, max(left * 3 // 4, _LEAST_STEPS // self._weight, 1))
             yield
 
     def _open(self) -> int | None:
@@ -145,6 +149,15 @@ class _BudgetedRuns:
 
     def statistics(self) -> tuple[int, int, int, int]:
         return self._runs.statistics()
+
+
+def _most_leaving(program: Program) -> int:
+    """The largest number of edges that leave the locations of a state, at most."""
+    leaving = Counter((edge.process, edge.source) for edge in program.edges)
+    most: dict[int, int] = {}
+    for (process, _), count in leaving.items():
+        most[process] = max(most.get(process, 0), count)
+    return sum(most.values())
 
 
 def _unless_stuttering(edge: ProgramEdge) -> ProgramEdge:

@@ -1,8 +1,9 @@
 """Edges for many values of a select variable, compiled once and copied with other constants.
 
 A select variable of a wide range gives one edge for each value. Where a linear term of the value is only an operand
-beside something that depends on the state, as in ``2 * i == n + 1``, or is assigned, as in ``n = i``, the edges have
-the same form and differ in constants, up to the values at which the range of a variable decides something. Of each such
+beside something that depends on the state, as in ``2 * i == n + 1``, is compared with a constant, as in ``i != 7``, or
+is assigned, as in ``n = i``, the edges have the same form and differ in constants, up to the values at which the range
+of a variable or a constant decides something. Of each such
 range of values three edges are compiled; where they differ in linear terms only, the others are copies. Whatever is of
 another kind is not a pattern, and each value is compiled on its own.
 """
@@ -16,7 +17,7 @@ from tachk.analysis.conditions import conjuncts
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, is_integer
 from tachk.base.job import check_job
-from tachk.base.operators import CONNECTIVES, BinaryOperator, UnaryOperator
+from tachk.base.operators import COMPARISONS, CONNECTIVES, BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass
 from tachk.engine.compiler.assembler import Assembler
 from tachk.engine.compiler.program import NO_CODE, Condition, ProgramEdge, Test, Update
@@ -201,11 +202,15 @@ def _cuts(part: Expression, variable: Variable, layout: SlotLayout) -> list[int]
         return None
     found: list[int] = []
     seen = 0
-    for node, term, other in _operands(part, variable):
-        if isinstance(other, Constant) or _mentions(other, variable):
+    for node, term_of, term, other in _operands(part, variable):
+        if _mentions(other, variable):
             return None
-        seen += _count(node, variable)
-        if isinstance(part, Assign) and other is part.target:
+        seen += _count(term_of, variable)
+        if isinstance(other, Constant):
+            if not isinstance(node, Binary) or node.operator not in COMPARISONS:
+                return None
+            found += _crossings(term, (other.value, other.value + 1))
+        elif isinstance(part, Assign) and other is part.target:
             slot = layout.known_slot(other)
             assert slot is not None
             bounds = layout.slots[slot]
@@ -218,19 +223,20 @@ def _cuts(part: Expression, variable: Variable, layout: SlotLayout) -> list[int]
     return found if seen == _count(part, variable) else None
 
 
-def _operands(part: Expression, variable: Variable) -> Iterator[tuple[Expression, LinearTerm, Expression]]:
-    """The largest linear terms of the variable in a condition or an update, each with what stands beside it."""
+def _operands(part: Expression, variable: Variable) -> Iterator[tuple[Expression, Expression, LinearTerm, Expression]]:
+    """The largest linear terms of the variable in a condition or an update, each behind that of which it is an operand,
+    and with what stands beside it."""
     for node in walk(part):
         match node:
             case Binary(operator, left, right) if operator not in CONNECTIVES and linear_term(node, variable) is None:
                 for one, other in ((left, right), (right, left)):
                     term = linear_term(one, variable)
                     if term is not None and term.slope != 0:
-                        yield one, term, other
+                        yield node, one, term, other
             case Assign(target, value):
                 term = linear_term(value, variable)
                 if term is not None and term.slope != 0:
-                    yield value, term, target
+                    yield node, value, term, target
             case _:
                 pass
 

@@ -279,9 +279,8 @@ def _reads(edge: Edge, variable: Variable) -> bool:
 def _only_value(edge: Edge, variable: Variable) -> int | None:
     """The value of a variable with which the guard of an edge may be true, where it begins with this test."""
     match next(conjuncts(edge.guard), None):
-        case (
-            Binary(BinaryOperator.EQUAL, Reference(tested), Constant(value))
-            | Binary(BinaryOperator.EQUAL, Constant(value), Reference(tested))
+        case Binary(BinaryOperator.EQUAL, Reference(tested), Constant(value)) | Binary(
+            BinaryOperator.EQUAL, Constant(value), Reference(tested)
         ) if tested is variable:
             return value
         case _:

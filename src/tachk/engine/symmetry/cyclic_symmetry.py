@@ -47,17 +47,14 @@ def find_cyclic_orbit(terms: NetworkTerms, families: Sequence[Sequence[int]]) ->
         rotation = _proved_rotation(terms, families, step)
         if isinstance(rotation, Renaming):
             blocks = [
-                tuple(number for family in families for number in family[at : at + step])
-                for at in range(0, size, step)
+                tuple(number for family in families for number in family[at : at + step]) for at in range(0, size, step)
             ]
             return CyclicOrbit(tuple(blocks), rotation)
         reason = reason or rotation
     return reason or AsymmetryReason("there is only one of them")
 
 
-def _proved_rotation(
-    terms: NetworkTerms, families: Sequence[Sequence[int]], step: int
-) -> Renaming | AsymmetryReason:
+def _proved_rotation(terms: NetworkTerms, families: Sequence[Sequence[int]], step: int) -> Renaming | AsymmetryReason:
     """The renaming that moves each process of a family to the place of the process `step` places later, if it is an
     automorphism; or the reason why it is not."""
     processes = {

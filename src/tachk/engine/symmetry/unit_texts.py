@@ -59,9 +59,11 @@ class UnitText:
     def known(self, images: Mapping[Atom, Atom]) -> Hashable:
         """The text as far as the images of names are known; updates in any order have none."""
         own = (self.pattern, *map(images.get, self.atoms))
-        return (own, *(_counted(update.known(images) for update in updates) for updates in self.loose)) if (
-            self.loose
-        ) else own
+        return (
+            (own, *(_counted(update.known(images) for update in updates) for updates in self.loose))
+            if (self.loose)
+            else own
+        )
 
 
 @dataclass(slots=True)

@@ -61,6 +61,14 @@ _EDGES = [
     "guard 2 * i == 6 && n == m;",
     "guard i * 1000000000 == n + m;",
     "guard n - 2 * i >= m; assign n = n + 3 * i;",
+    "guard i != 7 && n < 20; assign n = i;",
+    "guard i == 7; assign n = i;",
+    "guard 5 <= i && i < 12 || n == i;",
+    "guard !(2 * i > 31) && n == i; assign m = i;",
+    "guard (i < 9) == b; assign n = i;",
+    "guard 3 * i - 7 != 2 && (i > 20 || n == 4) && x < 3; assign n = 90 - i;",
+    "guard (i + 2) % 4 == 1; assign n = i;",
+    "guard i / 3 != 5; assign n = i;",
 ]
 
 
@@ -81,6 +89,7 @@ def test_edges_of_a_pattern_are_those_that_each_value_gives(
         "guard n == i && x < 5; sync d?; assign x = 0, m = n + i;",
         "guard 2 * i == n + m; assign m = i;",
         "guard 3 - i == n + m; assign m = i - 5;",
+        "guard i != 7; assign n = i;",
     ],
 )
 def test_a_wide_select_compiles_its_guard_a_few_times(edge: str, monkeypatch: pytest.MonkeyPatch) -> None:
