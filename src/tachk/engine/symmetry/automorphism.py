@@ -65,7 +65,7 @@ class Renaming:
 
     def atoms(self) -> dict[Atom, Atom]:
         """The image of each atom that is moved."""
-        moved: dict[Atom, Atom] = {**self.variables}
+        moved = dict[Atom, Atom](self.variables.items())
         moved |= {ProcessNumber(one): ProcessNumber(other) for one, other in self.processes.items()}
         for root, values in self.values.items():
             moved |= {(root, one): (root, other) for one, other in values.items()}

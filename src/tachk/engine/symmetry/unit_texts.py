@@ -132,7 +132,7 @@ class UnitTexts:
         for atom, (place, shift) in zip(text.atoms, text.places, strict=True):
             image = moved.get(atom)
             if image is not None:
-                items[place] = image[1] + shift if type(image) is tuple else image
+                items[place] = image if isinstance(image, Variable | ProcessNumber) else image[1] + shift
         loose = (_counted(self.renamed(update, moved) for update in updates) for updates in text.loose)
         return self._texts.get((text.frame, tuple(items), *loose))
 
