@@ -31,9 +31,7 @@ struct CoveredGraph::Stepping {
     const std::uint32_t discrete = states().locate();
     const State state = states().coverer(discrete, search.graph_.packed(successor.slots, successor.zone));
     if (state == states::no_node) return false;
-    search.colours_.resize(states().size(), Colour::white);
-    if (search.colours_[state] == Colour::grey) search.open_ = true;
-    if (search.colours_[state] == Colour::white) search.steps_.push_back(state);
+    search.step(state);
     return true;
   }
 };
@@ -58,7 +56,10 @@ bool CoveredGraph::begin(SymbolicState& source) {
   colours_.resize(states.size(), Colour::white);
   if (begins_ == nullptr) {
     if (std::exchange(next_, 1) != 0) return false;
-    graph_.start(Stepping{*this});
+    if (const CoveringSteps* recorded = reachable_.steps())
+      step(recorded->initial());
+    else
+      graph_.start(Stepping{*this});
     return true;
   }
   for (; next_ < states.size(); ++next_) {
@@ -72,13 +73,27 @@ bool CoveredGraph::begin(SymbolicState& source) {
   return false;
 }
 
+void CoveredGraph::step(State state) {
+  colours_.resize(reachable_.states().size(), Colour::white);
+  if (colours_[state] == Colour::grey) open_ = true;
+  if (colours_[state] == Colour::white) steps_.push_back(state);
+}
+
+void CoveredGraph::step(CoveringSteps::Reader recorded) {
+  for (State target; recorded.next(target);) step(reachable_.steps()->uncovered(reachable_.states(), target));
+}
+
 // False if a run may end in the state.
 bool CoveredGraph::visit(State state, SymbolicState& source) {
+  colours_[state] = Colour::grey;
+  path_.push_back({state, steps_.size()});
+  if (const CoveringSteps* recorded = reachable_.steps()) {
+    step(recorded->from(state));
+    return true;
+  }
   PassedList& states = reachable_.states();
   states.unpack(state, source.slots.data());
   graph_.unpack(states, state, source);
-  colours_[state] = Colour::grey;
-  path_.push_back({state, steps_.size()});
   ++explored_;
   ends_.begin(source, restriction_.avoided());
   if (ends_.idle()) return false;

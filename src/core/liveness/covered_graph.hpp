@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "liveness/covering_steps.hpp"
 #include "liveness/ends.hpp"
 #include "liveness/predicate.hpp"
 #include "liveness/reachable.hpp"
@@ -25,8 +26,9 @@ class CoveredGraph final {
     open,  // there may be a run or not
   };
 
-  // `reachable` has gone through all states, of the restricted graph if its own restriction is this one. `begins`: the
-  // states where runs begin; without it those are the initial ones.
+  // `reachable` has gone through all states, of the restricted graph if its own restriction is this one; if it has
+  // recorded the steps, no run ends in a state. `begins`: the states where runs begin; without it those are the initial
+  // ones.
   CoveredGraph(symbolic::ZoneGraph& graph, Restriction& restriction, Ends& ends, Reachable& reachable,
                Predicate* begins)
       : graph_(graph), restriction_(restriction), ends_(ends), reachable_(reachable), begins_(begins) {}
@@ -49,6 +51,8 @@ class CoveredGraph final {
   struct Stepping;
 
   bool begin(symbolic::SymbolicState& source);
+  void step(State state);
+  void step(CoveringSteps::Reader recorded);
   bool visit(State state, symbolic::SymbolicState& source);
 
   symbolic::ZoneGraph& graph_;

@@ -44,12 +44,15 @@ LivenessSearch::Overview LivenessSearch::overview() {
   const std::vector<Goal>& goals = graph_.program().goals;
   // The short proof looks at predicates without the zones that `deadlock` needs.
   const bool proves = options_.proof_after != UINT32_MAX && !has_deadlock_literal(goals);
-  if (goals.size() < 2) return {{}, Reachable(graph_, &restriction_, options_, limits_), {}, Stage::descending, proves};
-  return {Predicate(goals[1], graph_.semantics(), graph_.operations()),
-          Reachable(graph_, nullptr, options_, limits_),
-          {},
-          Stage::reaching,
-          proves};
+  const bool one = goals.size() < 2;
+  Overview all{{},
+               Reachable(graph_, one ? &restriction_ : nullptr, options_, limits_),
+               {},
+               one ? Stage::descending : Stage::reaching,
+               proves};
+  if (!one) all.begins.emplace(goals[1], graph_.semantics(), graph_.operations());
+  if (one && proves) all.reachable.record_steps(ends_);
+  return all;
 }
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
@@ -96,12 +99,16 @@ bool LivenessSearch::is_time_for_depth_first() const {
 // Expands one state on the way to all states.
 void LivenessSearch::reach() {
   Overview& all = overview_;
+  Reachable& reachable = all.reachable;
   if (all.begins) {
-    if (all.reachable.advance(source_)) return note_beginning();
-    all.complete &= all.reachable.complete();
+    if (reachable.advance(source_)) return note_beginning();
+    all.complete &= reachable.complete();
   } else {
     try {
-      if (all.reachable.advance(source_)) return;
+      if (reachable.advance(source_)) {
+        all.proves = !reachable.may_end();
+        if (all.proves) return;
+      }
     } catch (const ModelFault&) {  // the search depth first meets it, too, or a run before it
       all.proves = false;
     } catch (const ConstantOverflow&) {
@@ -109,8 +116,8 @@ void LivenessSearch::reach() {
     }
   }
   all.stage = Stage::descending;
-  if (!std::exchange(all.proves, false) || !all.reachable.complete()) return;
-  all.proof.emplace(graph_, restriction_, ends_, all.reachable, all.begins ? &*all.begins : nullptr);
+  if (!std::exchange(all.proves, false) || !reachable.complete()) return;
+  all.proof.emplace(graph_, restriction_, ends_, reachable, all.begins ? &*all.begins : nullptr);
   all.stage = Stage::proving;
 }
 
@@ -133,22 +140,16 @@ void LivenessSearch::note_beginning() {
 
 // Looks at one more state of the covered graph; false if there is no run.
 bool LivenessSearch::prove() {
-  CoveredGraph& proof = *overview_.proof;
+  CoveredGraph::Answer answer = CoveredGraph::Answer::open;
   try {
-    switch (proof.advance(source_)) {
-      case CoveredGraph::Answer::unknown_yet:
-        return true;
-      case CoveredGraph::Answer::proved:
-        proved_ = true;
-        return false;
-      case CoveredGraph::Answer::open:
-        break;
-    }
+    answer = overview_.proof->advance(source_);
   } catch (const ModelFault&) {  // as above, or an error in states that no run comes to
   } catch (const ConstantOverflow&) {
   }
+  if (answer == CoveredGraph::Answer::unknown_yet) return true;
+  proved_ = answer == CoveredGraph::Answer::proved;
   overview_.stage = Stage::descending;
-  return true;
+  return !proved_;
 }
 
 // ---- where runs begin -----------------------------------------------------------------------------------------------

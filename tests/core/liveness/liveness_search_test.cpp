@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <random>
+#include <vector>
 
 #include "check.hpp"
 #include "liveness/avoidance.hpp"
+#include "liveness/covering_steps.hpp"
 
 namespace {
 
@@ -149,9 +152,39 @@ void test_delays_that_avoid_two_zones() {
   CHECK(operations.entry(between[0], 2, 0, 1) == raw_bound(-3, false));
 }
 
+// Steps come back as they were added, near and far, forwards and backwards, also behind states that were not expanded.
+void test_steps_are_kept() {
+  std::mt19937 random(7);
+  CoveringSteps steps;
+  std::vector<std::vector<std::uint32_t>> expected(5001);
+  steps.begin(tachk::states::no_node);
+  steps.add(0);
+  steps.add(4000000000U);
+  steps.end();
+  for (std::uint32_t state = 0; state <= 5000; state += 1 + static_cast<std::uint32_t>(random() % 3)) {
+    steps.begin(state);
+    for (auto count = random() % 40; count != 0; --count) {
+      expected[state].push_back(random() % 2 != 0 ? static_cast<std::uint32_t>(random())
+                                                  : state + static_cast<std::uint32_t>(random() % 100));
+      steps.add(expected[state].back());
+    }
+    steps.end();
+  }
+  for (std::uint32_t state = 0, target; state <= 5000; ++state) {
+    if (expected[state].empty()) continue;
+    CoveringSteps::Reader reader = steps.from(state);
+    for (const std::uint32_t step : expected[state]) CHECK(reader.next(target) && target == step);
+    CHECK(!reader.next(target));
+  }
+  std::uint32_t target;
+  CoveringSteps::Reader initial = steps.initial();
+  CHECK(initial.next(target) && target == 0 && initial.next(target) && target == 4000000000U && !initial.next(target));
+}
+
 }  // namespace
 
 int main() {
+  test_steps_are_kept();
   test_a_loop_that_avoids_the_predicate();
   test_time_that_passes_for_ever();
   test_a_predicate_that_becomes_true_while_time_passes();
