@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import pytest
 
 from tachk.engine.symmetry import cyclic_symmetry, detection
-from tachk.engine.symmetry.automorphism import Block, KnownRenamings, NetworkTerms, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms
 from tachk.engine.symmetry.detection import Symmetry, search_symmetry
 from tachk.engine.symmetry.index_types import AsymmetryReason
+from tachk.engine.symmetry.renaming import Block, KnownRenamings, Renaming
 from tachk.engine.symmetry.transpositions import transposition_of
 from tachk.model.expressions import Expression
 from tachk.model.network import Network

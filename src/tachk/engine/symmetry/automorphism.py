@@ -1,8 +1,8 @@
-"""Renamings of a network, and the proof that one is an automorphism.
+"""The proof that a renaming of a network is an automorphism.
 
-A renaming is a permutation of processes, variables and numbers of some index types. It is an automorphism if the
-renamed text of each process is the text of its image, up to the order of edges, and if it keeps constants, ranges,
-priorities and predicates. Then it maps transitions to transitions.
+A renaming (`tachk.engine.symmetry.renaming`) is an automorphism if the renamed text of each process is the text of its
+image, up to the order of edges, and if it keeps constants, ranges, priorities and predicates. Then it maps transitions
+to transitions.
 
 An automorphism need not keep the initial values. An explored state represents its orbit: a state that is reachable from
 it is, up to an automorphism, reachable from the initial state, and a predicate holds for all states of an orbit or for
@@ -19,6 +19,7 @@ from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
 from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, Range, RecordTree, Tree
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
+from tachk.engine.symmetry.renaming import KnownRenamings, Renaming
 from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, slot_nodes
 from tachk.engine.symmetry.unit_texts import Atom, UnitText, UnitTexts
 from tachk.engine.symmetry.units import TermUnit, read_edge, read_location
@@ -28,68 +29,8 @@ from tachk.model.traversal import written_variables
 from tachk.model.types import ArrayType, Type, slot_count
 from tachk.model.variable_layout import default_values
 
-Block = tuple[int, ...]
-"""The numbers of processes that are only moved together, such as a cell and its arbiter; often a single one."""
-
 _Limit = tuple[int, Range]
 """The shift of a node of an index type, and numbers that are limited there."""
-
-
-@dataclass(frozen=True, slots=True)
-class Renaming:
-    """Attributes:
-    processes, variables: those that are moved.
-    values: for each index type, by its representative node, the numbers that are moved.
-    """
-
-    processes: Mapping[int, int] = field(default_factory=dict)
-    variables: Mapping[Variable, Variable] = field(default_factory=dict)
-    values: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
-
-    def value(self, index_types: IndexTypes, node: int, value: int) -> int:
-        """The image of a number at a node."""
-        root, shift = index_types.find(node)
-        moved = self.values.get(root)
-        return value if moved is None else moved.get(value - shift, value - shift) + shift
-
-    def conjugate(self, by: Renaming) -> Renaming:
-        """What this one does among the images under another renaming, which is its own inverse."""
-        return Renaming(
-            {by.processes.get(a, a): by.processes.get(b, b) for a, b in self.processes.items()},
-            {by.variables.get(a, a): by.variables.get(b, b) for a, b in self.variables.items()},
-            {
-                root: {by.values.get(root, {}).get(a, a): by.values.get(root, {}).get(b, b) for a, b in moved.items()}
-                for root, moved in self.values.items()
-            },
-        )
-
-    def atoms(self) -> dict[Atom, Atom]:
-        """The image of each atom that is moved."""
-        moved = dict[Atom, Atom](self.variables.items())
-        moved |= {ProcessNumber(one): ProcessNumber(other) for one, other in self.processes.items()}
-        for root, values in self.values.items():
-            moved |= {(root, one): (root, other) for one, other in values.items()}
-        return moved
-
-
-@dataclass(slots=True)
-class KnownRenamings:
-    """The renamings of a network that were tried.
-
-    Attributes:
-        transpositions: by two blocks: proved for the network without predicates, or the reason why there is none.
-        rotations: the same by families of processes and a step.
-        first_blocks: for each block that can be exchanged with others, the first of them.
-        places: for each process of a block that can be exchanged with others: the number of the orbit, its place in
-            the block, the number of the block.
-        refuted: the reasons for the blocks that cannot be exchanged, by what the orbits leave of their numbers.
-    """
-
-    transpositions: dict[tuple[Block, Block], Renaming | AsymmetryReason] = field(default_factory=dict)
-    rotations: dict[tuple[tuple[Block, ...], int], Renaming | AsymmetryReason] = field(default_factory=dict)
-    first_blocks: dict[Block, Block] = field(default_factory=dict)
-    places: dict[int, tuple[int, int, int]] = field(default_factory=dict)
-    refuted: dict[Hashable, AsymmetryReason] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -116,7 +57,7 @@ class NetworkTerms:
     tested: frozenset[ProcessNumber] = frozenset()
     colours: Sequence[int] | None = None
     without_predicates: NetworkTerms | None = None
-    shared: KnownRenamings = field(default_factory=lambda: KnownRenamings())
+    shared: KnownRenamings = field(default_factory=KnownRenamings)
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _limits: dict[int, tuple[list[_Limit], list[_Limit], list[_Limit]]] = field(default_factory=dict)
     _of_index_type: dict[int, list[Variable]] = field(default_factory=dict)

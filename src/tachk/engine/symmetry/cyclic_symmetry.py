@@ -12,9 +12,10 @@ from itertools import combinations
 from typing import TypeVar
 
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms
 from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.matching import corresponding
+from tachk.engine.symmetry.renaming import Block, Renaming
 from tachk.engine.symmetry.terms import IndexValue, Shift
 from tachk.model.expressions import Variable
 from tachk.model.types import IntType, ScalarType

@@ -17,12 +17,13 @@ from tachk.analysis.failures import location_can_fail
 from tachk.analysis.fold import known_values
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming, read
+from tachk.engine.symmetry.automorphism import NetworkTerms, read
 from tachk.engine.symmetry.broadcasts import order_matters
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.cyclic_symmetry import CyclicOrbit, find_cyclic_orbit, subsets
 from tachk.engine.symmetry.equitable_partition import equitable_partition
 from tachk.engine.symmetry.index_types import AsymmetryReason
+from tachk.engine.symmetry.renaming import Block, Renaming
 from tachk.engine.symmetry.terms import IndexValue, Token
 from tachk.engine.symmetry.transpositions import note_orbits, proved_transposition
 from tachk.model.expressions import Expression, Variable

@@ -13,10 +13,11 @@ from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.automorphism import NetworkTerms, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.index_types import ArrayTree, RecordTree, Tree
+from tachk.engine.symmetry.renaming import Renaming
 from tachk.engine.symmetry.tables import interchanged
 from tachk.model.connectives import any_of
 from tachk.model.expressions import Binary, Constant, Expression, Field, Index, LocationTest, Reference, Variable

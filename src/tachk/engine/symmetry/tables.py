@@ -8,11 +8,12 @@ from dataclasses import replace
 
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
-from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming, slot_images
+from tachk.engine.symmetry.automorphism import NetworkTerms, slot_images
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.cyclic_symmetry import CyclicOrbit, orbits
 from tachk.engine.symmetry.detection import SymmetricOrbit, Symmetry, cyclic_orbit_of, find_symmetry
 from tachk.engine.symmetry.index_types import AsymmetryReason
+from tachk.engine.symmetry.renaming import Block, Renaming
 from tachk.engine.symmetry.terms import slot_nodes
 from tachk.model.expressions import Expression
 from tachk.model.network import Network

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Sequence
 
 from tachk.base.span import Span
-from tachk.engine.symmetry.automorphism import Block, NetworkTerms, Renaming
+from tachk.engine.symmetry.automorphism import NetworkTerms
 from tachk.engine.symmetry.index_types import AsymmetryReason
 from tachk.engine.symmetry.matching import corresponding
+from tachk.engine.symmetry.renaming import Block, Renaming
 from tachk.engine.symmetry.terms import IndexValue, Shift
 from tachk.model.expressions import Variable
 
