@@ -17,7 +17,7 @@ from dataclasses import field, replace
 
 from tachk.analysis.fold import Known
 from tachk.base.records import dataclass
-from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, Range, RecordTree, Tree
+from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, Range, RecordTree, Tree, nodes_of
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
 from tachk.engine.symmetry.renaming import KnownRenamings, Renaming
 from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, TermReader, Token, slot_nodes
@@ -84,7 +84,7 @@ class NetworkTerms:
         self.tested = frozenset(atom for atom in self._touched if isinstance(atom, ProcessNumber))
         self._note_predicates()
         for variable, tree in self.reader.trees.items():
-            for root in {self.index_types.find(node)[0] for node in _all_nodes(tree)}:
+            for root in {self.index_types.find(node)[0] for node in nodes_of(tree)}:
                 self._of_index_type.setdefault(root, []).append(variable)
 
     def _note_predicates(self) -> None:
@@ -347,18 +347,6 @@ def _tests(term: Term, processes: Mapping[int, int]) -> Hashable:
 
 def _is_verb(reason: str) -> bool:
     return reason.startswith(("counts", "uses", "is used"))
-
-
-def _all_nodes(tree: Tree) -> Iterable[int]:
-    match tree:
-        case int():
-            yield tree
-        case ArrayTree(index, element):
-            yield index
-            yield from _all_nodes(element)
-        case RecordTree(fields):
-            for _, part in fields:
-                yield from _all_nodes(part)
 
 
 def slot_images(index_types: IndexTypes, tree: Tree, type_: Type, renaming: Renaming) -> list[int]:

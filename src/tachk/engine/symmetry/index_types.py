@@ -144,12 +144,12 @@ class IndexTypes:
                 for (_, one), (_, another) in zip(fields, others, strict=True):
                     self.unify_trees(one, another, span)
             case _:
-                for node in (*_nodes(left), *_nodes(right)):
+                for node in (*nodes_of(left), *nodes_of(right)):
                     self.make_plain(node, "is used in an unusual way", span)
 
     def make_plain(self, tree: Tree, reason: str, span: Span = NOWHERE) -> None:
         """Numbers of this index type are more than names."""
-        for node in _nodes(tree):
+        for node in nodes_of(tree):
             self._plain.setdefault(self.find(node)[0], AsymmetryReason(reason, span))
 
     def plain(self, root: int) -> AsymmetryReason | None:
@@ -174,11 +174,12 @@ class IndexTypes:
                 return self.fresh()
 
 
-def _nodes(tree: Tree) -> list[int]:
+def nodes_of(tree: Tree) -> list[int]:
+    """The index types of all parts of a value."""
     match tree:
         case int():
             return [tree]
         case ArrayTree(index, element):
-            return [index, *_nodes(element)]
+            return [index, *nodes_of(element)]
         case RecordTree(fields):
-            return [node for _, part in fields for node in _nodes(part)]
+            return [node for _, part in fields for node in nodes_of(part)]
