@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.support.seeds import Draw, number, refresh, thirds
+from tests.support.seeds import Draw, number, one_in, refresh
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -35,7 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "drawn: a third of the module's tests run, drawn as random examples are")
+    config.addinivalue_line("markers", "drawn(size=3): one test in SIZE of the module runs, drawn like random examples")
     Draw.number, Draw.times = config.option.seed, config.option.times
 
 
@@ -45,14 +45,23 @@ def pytest_report_header() -> str:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not any("::" in argument for argument in config.args):
-        marked = [(item.nodeid, str(item.path)) for item in items if item.get_closest_marker("drawn")]
-        left_out = {test for test, _ in marked} - thirds(marked)
+        left_out = _left_out(items)
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid in left_out])
         items[:] = [item for item in items if item.nodeid not in left_out]
     for item in items:
         test = getattr(item, "obj", None)
         if getattr(test, "is_hypothesis_test", False):
             refresh(test, item.name)
+
+
+def _left_out(items: list[pytest.Item]) -> set[str]:
+    """The tests of modules with the marker that were not drawn."""
+    modules: dict[tuple[str, int], list[str]] = {}
+    for item in items:
+        if marker := item.get_closest_marker("drawn"):
+            modules.setdefault((str(item.path), *(marker.args or (3,))), []).append(item.nodeid)
+    drawn = {test for (_, size), tests in modules.items() for test in one_in(size, tests)}
+    return {test for tests in modules.values() for test in tests} - drawn
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -24,6 +24,8 @@ import pytest
 
 from tachk.cli.main import app
 
+pytestmark = pytest.mark.drawn
+
 HERE = Path(__file__).parent
 CHECKOUT = HERE.parents[1]
 MEASURED = re.compile(r"\d[\d.]* (ms|s|min|B|kB|MB|GB)\b")

@@ -29,6 +29,8 @@ from tests.support.formulas import FLAGS
 from tests.support.observer_agreement import random_atom
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 SHAPE = Shape(processes=2, locations=3, clocks=2, constant=2, deadlocks=False, committed=False)
 SHAPES = {"plain": SHAPE, "urgent": Shape(processes=3, locations=2, clocks=1, constant=2, committed=False)}
 OPTIONS = (Options(), Options(subsumption=False), Options(extrapolation=Extrapolation.MAX, pack_clocks=0))

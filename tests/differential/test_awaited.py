@@ -8,6 +8,8 @@ from tests.support.endless.awaited_agreement import compare_awaited
 from tests.support.endless.awaited_oracle import FORMS
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 
 @pytest.mark.parametrize("block", range(len(FORMS)))
 def test_formulas_without_deadline_are_decided_as_the_tables_say(block: int) -> None:

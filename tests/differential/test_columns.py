@@ -31,6 +31,8 @@ from tachk.simulation.stepping.run_file import read_run_file, steps_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.verify.questions import Questions
 
+pytestmark = pytest.mark.drawn
+
 DECLARATIONS = """
 const int K = 3, L = -2, U[3] = {4, -5, 6};
 typedef struct { int[-9, 9] a; bool b; } pair_t;

@@ -36,6 +36,8 @@ from tests.support.oracles.avoiding_runs import Budget, LimitError, avoiding_run
 from tests.support.oracles.digitised import delayed, region_steps
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = {
     "plain": Shape(),
     "small": Shape(processes=2, locations=3, clocks=2, constant=3),

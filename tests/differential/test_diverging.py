@@ -15,6 +15,8 @@ from tests.support.obligations import random_obligations
 from tests.support.seeds import enough, seeds
 from tests.support.strategies import with_states
 
+pytestmark = pytest.mark.drawn
+
 SMALL = {"processes": 2, "locations": 3, "clocks": 2, "constant": 3, "deadlocks": False}
 SHAPES = {
     "plain": Shape(**SMALL),

@@ -22,6 +22,8 @@ from tests.support import RandomCase, Shape, cases, random_case
 from tests.support.agreement import VARIANTS, Effort, compare
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 EFFORT = Effort(reference=200, sampled=300)
 
 SHAPES = {

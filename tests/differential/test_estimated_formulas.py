@@ -23,6 +23,8 @@ from tachk.syntax.formulas.printer import print_formula
 from tachk.syntax.walk import nodes_of_kind
 from tests.support.formulas import FLAGS, FormulaShape, random_formula
 
+pytestmark = pytest.mark.drawn
+
 FLAGGED = """
 {unit}
 {flags}

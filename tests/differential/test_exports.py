@@ -28,6 +28,8 @@ from tachk.model.traversal import walk
 from tachk.verify.verify import verify
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 
 def reached(network: Network) -> list[str]:
     """The answer for each combination of locations."""

@@ -15,6 +15,8 @@ from tests.support import Shape, random_case
 from tests.support.extremes_agreement import compare_extremes, expressions_of
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 OPTIONS = (Options(), Options(order=SearchOrder.DFS, extrapolation=Extrapolation.MAX))
 
 SHAPES = {

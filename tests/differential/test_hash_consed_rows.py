@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
+import pytest
+
 import tachk
 from tachk.base.resources import data_root
 from tachk.engine.compiler.lower import lower
@@ -13,6 +15,8 @@ from tachk.engine.outcome import Outcome
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.seeds import enough, seeds
+
+pytestmark = pytest.mark.drawn
 
 WHOLE = Options(rows_after=2**32 - 1).off("local-times")
 SHAPES = (

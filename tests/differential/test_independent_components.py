@@ -14,6 +14,8 @@ from tests.support.independent.lossy_links import compare, random_components
 from tests.support.oracles import reference
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 LIMITS = Limits(states=2000)
 
 

@@ -18,6 +18,8 @@ from tests.support.monitor_input import always, monitor_input
 from tests.support.seeds import enough, seeds
 from tests.support.smaller_cases import describe
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = {
     "shallow": FormulaShape(depth=1, linear=True),
     "everything": FormulaShape(depth=2, linear=True, rows=6),

@@ -17,6 +17,8 @@ from tests.support.obligations import random_obligations
 from tests.support.oracles.liveness_regions import check_by_regions
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 VARIANTS = (
     Options(),
     Options(proof_after=0),

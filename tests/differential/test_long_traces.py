@@ -29,6 +29,8 @@ from tests.support.formulas import FormulaShape, MonitoringCase, random_formula,
 from tests.support.monitor_input import MonitorInput, always, monitor_input, portions, truth_of
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 ROWS = 9000
 BOUNDED = FormulaShape(depth=3, bound=6, unbounded=False, rows=ROWS, gap=2)
 UNBOUNDED = FormulaShape(depth=3, bound=6, rows=ROWS, gap=2)

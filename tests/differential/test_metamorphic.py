@@ -29,6 +29,8 @@ from tachk.model.types import ClockType
 from tests.support import RandomCase, Shape, random_case
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 FACTOR = 3
 
 

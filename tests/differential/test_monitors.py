@@ -25,6 +25,8 @@ from tests.support.online_agreement import online_problems
 from tests.support.seeds import enough, seeds
 from tests.support.smaller_cases import describe
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = {
     "everything": FormulaShape(),
     "deep": FormulaShape(depth=4, bound=2, rows=6),

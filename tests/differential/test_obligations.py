@@ -15,6 +15,8 @@ from tests.support.liveness_agreement import compare_obligation
 from tests.support.obligations import random_obligations
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 EFFORT = Effort(reference=150, sampled=150)
 LASTING = [options for options in VARIANTS if not options.shortest]
 """The search goes to the depth first: it knows no shortest paths."""

@@ -49,6 +49,8 @@ from tests.support.observer_agreement import (
 from tests.support.oracles.digitised import _capped, _next_region, _spread
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 SMALL = Shape(processes=2, locations=3, clocks=2, constant=3, deadlocks=False)
 MAXIMAL_STATES = 400
 

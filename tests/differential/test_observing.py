@@ -22,6 +22,8 @@ from tests.support.observer_agreement import random_atom
 from tests.support.reductions.verdict_agreement import ALONE, BY_DEFAULT, TOGETHER, Questions, compare_verdicts
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 EFFORT = Effort(reference=300, sampled=0, unrolled=8)
 VARIANTS = (
     Options(partial_order=True).off("local-times"),

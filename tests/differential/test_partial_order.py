@@ -16,6 +16,8 @@ from tachk.model.random_networks import RandomCase, Shape, random_case
 from tests.support.oracles import reference
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 ON = Options(partial_order=True).off("local-times")
 SHAPES = (
     Shape(groups=2, hurried=0.6, clocks=2, processes=2, locations=3, deadlocks=False),

@@ -14,6 +14,8 @@ import tachk
 from tachk.recordings.traces.trace_files import open_trace
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 BASES = (0.0, 0.25, -3.0, 1e3, 2.3e6, 9.9e6, 1e9, 1764000000.0, 1764000000.1, 1764000000.1234567, 1764000000099.9)
 FORMS = ("%r", "%.17g", "%.18e", "%.9f", "%.12f", "%.25f")
 

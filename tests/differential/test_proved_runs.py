@@ -13,6 +13,8 @@ from tests.support.seeds import enough, seeds
 from tests.support.simulated.proved import FORMS, proved_on_runs
 from tests.support.simulated.replayed import judged_twice
 
+pytestmark = pytest.mark.drawn
+
 
 def test_a_proved_formula_is_false_on_no_simulated_run() -> None:
     found = [judged for seed in seeds((5291, 5330, *range(10))) for judged in proved_on_runs(seed, runs=3, forms=FORMS)]

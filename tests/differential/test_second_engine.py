@@ -11,6 +11,8 @@ from tests.support import Shape, random_case
 from tests.support.agreement import Effort, compare
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 EFFORT = Effort(reference=200, sampled=300, unrolled=8)
 
 SHAPES = {

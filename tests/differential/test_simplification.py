@@ -17,6 +17,8 @@ from tests.support.formulas import FormulaShape, random_monitoring_case, random_
 from tests.support.seeds import seeds
 from tests.support.tricky import read_formula
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = (FormulaShape(), FormulaShape(depth=2, constants=0.4), FormulaShape(depth=3, constants=0.3, bound=1))
 LEAVES = ("p", "p", "q", "x < 1", "x == 1", "true", "false", "rise(p)", "fall(q)", "change(x)", "change(2)", "1 < 3")
 INTERVALS = (

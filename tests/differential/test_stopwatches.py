@@ -30,6 +30,8 @@ from tachk.verify.verify import verify
 from tests.support import RandomCase, Shape, random_case
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 SMALL = {"processes": 2, "locations": 3, "clocks": 3, "constant": 3, "stopwatches": True}
 SHAPES = {
     "stopwatches": Shape(**SMALL),

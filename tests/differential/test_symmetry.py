@@ -18,6 +18,8 @@ from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
 
+pytestmark = pytest.mark.drawn
+
 LIMITS = Limits(states=1500)
 
 

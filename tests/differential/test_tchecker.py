@@ -21,6 +21,8 @@ from tachk.model.random_networks import Shape, random_case
 from tachk.verify.verify import verify
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 SHAPE = Shape(urgent_channels=False, clocks_on_broadcast=False, locations=3)
 
 

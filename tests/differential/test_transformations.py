@@ -22,6 +22,8 @@ from tests.support import RandomCase, Shape, random_case
 from tests.support.seeds import enough, seeds
 from tests.support.transformations import TRANSFORMATIONS, random_run
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = (
     Shape(processes=2, locations=3, clocks=2, constant=3),
     Shape(processes=2, locations=3, clocks=1, receivers=1, blockers=1, deadlocks=False),

@@ -23,6 +23,8 @@ from tests.support.symmetric.permuted_states import is_kept, mutated, random_sta
 from tests.support.symmetric.registers import random_register_case
 from tests.unit.meaning.judge.proofs import PLAIN, judged, proved, written
 
+pytestmark = pytest.mark.drawn
+
 CASES = {
     "groups": random_symmetric_case,
     "rings": random_ring_case,

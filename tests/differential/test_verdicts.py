@@ -12,6 +12,8 @@ from tests.support.reductions.verdict_agreement import compare_verdicts, random_
 from tests.support.seeds import enough, seeds
 from tests.support.strategies import without_first_tries
 
+pytestmark = pytest.mark.drawn
+
 
 @pytest.fixture
 def _without_first_tries() -> Iterator[None]:

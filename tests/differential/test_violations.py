@@ -16,6 +16,8 @@ from tests.support.seeds import seeds
 from tests.support.smaller_cases import describe
 from tests.support.violation_agreement import online_violation_problems, violation_problems
 
+pytestmark = pytest.mark.drawn
+
 SHAPES = (FormulaShape(depth=2), FormulaShape(depth=2, unbounded=False, rows=14, gap=2), FormulaShape(depth=1, grid=3))
 
 

@@ -7,6 +7,8 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
+pytestmark = pytest.mark.drawn
+
 MODELS = data_root() / "models" / "micro_xrce_dds"
 
 

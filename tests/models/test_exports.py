@@ -16,6 +16,8 @@ from tachk.formats.loading.load import load_model
 from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
 
+pytestmark = pytest.mark.drawn
+
 MODELS = data_root() / "models"
 WRITTEN = [*sorted((MODELS / "classics").glob("*.ta")), MODELS / "micro_xrce_dds" / "client_3_0.ta"]
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)

@@ -9,6 +9,8 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
+pytestmark = pytest.mark.drawn
+
 MODELS = data_root() / "models" / "micro_xrce_dds"
 LOOP = {"HEARTBEAT_LAW": 1, "CLIENT_HEARTBEAT": 2, "MESSAGES": 1, "PLACES": 3}
 DRIVER = """

@@ -11,7 +11,7 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 
-pytestmark = pytest.mark.drawn
+pytestmark = pytest.mark.drawn(8)
 
 ROOT = Path(__file__).parents[2]
 MODELS = data_root() / "models"

@@ -8,7 +8,7 @@ import tachk
 from tachk.base.resources import data_root
 from tachk.cli.main import app
 
-pytestmark = pytest.mark.drawn
+pytestmark = pytest.mark.drawn(8)
 
 MODELS = data_root() / "models" / "micro_xrce_dds"
 PUBLICATION = MODELS / "publication.ta"

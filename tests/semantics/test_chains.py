@@ -15,6 +15,8 @@ from tachk.formats.loading.load import load_model
 from tachk.syntax.parsing.parser import parse_document
 from tachk.syntax.printing.printer import print_document
 
+pytestmark = pytest.mark.drawn
+
 LENGTH = 300
 
 

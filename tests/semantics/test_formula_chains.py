@@ -21,6 +21,8 @@ from tachk.syntax.formula import Formula
 from tachk.syntax.formulas.parser import parse_formula
 from tests.support.seeds import some
 
+pytestmark = pytest.mark.drawn
+
 LONG = 1200
 DEEP = 300
 

@@ -12,6 +12,8 @@ from tachk.model.run import Ending
 from tachk.verify.verdict import Answer, Verdict
 from tests.support.strategies import with_states
 
+pytestmark = pytest.mark.drawn
+
 OPTIONS = (
     Options(),
     Options(extrapolation=Extrapolation.MAX),

@@ -59,13 +59,9 @@ def some(things: Sequence[T], count: int) -> list[T]:
     return [things[n] for n in sorted(Random(number()).sample(range(len(things)), count))]
 
 
-def thirds(tests: Sequence[tuple[str, str]]) -> set[str]:
-    """A third of the tests of each module, drawn; all where nothing is drawn. Tests are given with their modules."""
-    if not number():
-        return {test for test, _ in tests}
-    modules = dict.fromkeys(module for _, module in tests)
-    grouped = ([test for test, place in tests if place == module] for module in modules)
-    return {test for group in grouped for test in some(group, -(-len(group) // 3))}
+def one_in(size: int, tests: Sequence[str]) -> list[str]:
+    """One in so many tests of a module, drawn; all where nothing is drawn."""
+    return some(tests, -(-len(tests) // size)) if number() else list(tests)
 
 
 def enough(met: bool) -> bool:

@@ -15,6 +15,8 @@ from tests.support.oracles.liveness_reference import check_by_zones
 from tests.support.oracles.liveness_regions import check_by_regions
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 
 def endings(network: NetworkBuilder, goal: Term, trigger: Term | None = None) -> set[RunEnd]:
     """How runs that never meet the goal end, one for each oracle; empty if they always meet it."""

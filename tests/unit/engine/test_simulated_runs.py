@@ -9,6 +9,8 @@ from tachk.engine.options import Options
 from tachk.model.run import TimedTrace
 from tachk.verify.verdict import Answer, Verdict
 
+pytestmark = pytest.mark.drawn
+
 ALONE = Options().off("unblocked", "sliced", "symmetry", "local-times", "best-first", "one-order", "probe")
 
 

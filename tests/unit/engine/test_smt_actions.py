@@ -20,6 +20,8 @@ from tachk.engine.smt.relation import relation  # noqa: E402
 from tachk.engine.smt.search import explore  # noqa: E402
 from tests.support.seeds import seeds  # noqa: E402
 
+pytestmark = pytest.mark.drawn
+
 BOTH = Options(engine=Engine.BOTH)
 
 

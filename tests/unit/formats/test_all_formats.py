@@ -21,6 +21,8 @@ from tachk.formats.uppaal.intermediate import network_to_intermediate
 from tachk.model.random_networks import random_case
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 MODELS = Path(__file__).parents[3] / "models"
 SHIPPED = [*sorted(MODELS.glob("classics/*.ta")), MODELS / "micro_xrce_dds" / "publication.ta"]
 POORER = ("tchecker", "munta")

@@ -14,6 +14,8 @@ from tachk.formats.uppaal.portability import portability
 from tachk.formats.uppaal.versions import UppaalVersion
 from tachk.syntax.printing.expression_printer import print_expression
 
+pytestmark = pytest.mark.drawn
+
 DECLARATIONS = """\
 clock x, y, c[3];
 typedef struct { clock t; int n; } r_t;

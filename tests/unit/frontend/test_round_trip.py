@@ -15,6 +15,8 @@ from tachk.formats.network_json.network import same_network
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax.printing.printer import print_document
 
+pytestmark = pytest.mark.drawn
+
 SYSTEMS = [
     path for path in sorted((data_root() / "models").rglob("*.ta")) if "\nsystem " in path.read_text(encoding="utf-8")
 ]

@@ -6,6 +6,8 @@ import pytest
 
 import tachk
 
+pytestmark = pytest.mark.drawn
+
 MODEL = """
 time_unit = 1 s;
 bool p, q, r, a;

@@ -19,6 +19,8 @@ from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
 
+pytestmark = pytest.mark.drawn
+
 
 def _members(symmetry: Symmetry) -> list[object]:
     return [*(group.members for group in symmetry.groups), *(cycle.members for cycle in symmetry.cycles)]

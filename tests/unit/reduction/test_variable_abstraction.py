@@ -18,6 +18,8 @@ from tachk.verify.verdict import answers_of
 from tests.support.seeds import enough, seeds
 from tests.support.symmetric.counted import random_counted_case
 
+pytestmark = pytest.mark.drawn
+
 CLASSICS = data_root() / "models" / "classics"
 
 TEXT = """

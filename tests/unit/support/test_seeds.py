@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.support.seeds import NUMBERS, Draw, number, seeds, some, thirds
+from tests.support.seeds import NUMBERS, Draw, number, one_in, seeds, some
 
 
 @pytest.fixture(autouse=True)
@@ -39,16 +39,19 @@ def test_nothing_is_drawn_from_0(monkeypatch: pytest.MonkeyPatch) -> None:
     assert some(range(8), 3) == [0, 1, 2]
 
 
-def test_a_third_of_the_tests_of_a_module_is_drawn_and_each_comes(monkeypatch: pytest.MonkeyPatch) -> None:
-    tests = [(f"{module}::{n}", module) for module, count in (("a", 7), ("b", 1)) for n in range(count)]
-    drawn = []
+@pytest.mark.parametrize(("count", "drawn"), [(7, 3), (1, 1), (0, 0)])
+def test_one_in_three_tests_of_a_module_is_drawn_and_each_comes(
+    count: int, drawn: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tests = [f"a::{n}" for n in range(count)]
+    rounds = []
     for seed in range(1, 40):
         monkeypatch.setattr(Draw, "number", seed)
-        drawn.append(thirds(tests))
-    assert {len(some_tests) for some_tests in drawn} == {3 + 1}
-    assert set.union(*drawn) == {test for test, _ in tests}
+        rounds.append(one_in(3, tests))
+    assert {len(some_tests) for some_tests in rounds} == {drawn}
+    assert {test for some_tests in rounds for test in some_tests} == set(tests)
     monkeypatch.setattr(Draw, "number", 0)
-    assert thirds(tests) == {test for test, _ in tests}
+    assert one_in(3, tests) == tests
 
 
 def test_the_commit_gives_the_number(monkeypatch: pytest.MonkeyPatch) -> None:

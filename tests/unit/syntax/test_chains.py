@@ -13,6 +13,8 @@ from tachk.syntax.chains import LONGEST_FROM_LEFT, chain, operands_of
 from tachk.syntax.parsing.parser import parse_expression
 from tachk.syntax.printing.expression_printer import print_expression
 
+pytestmark = pytest.mark.drawn
+
 
 def parse(text: str) -> ast.Expression:
     expression, diagnostics = parse_expression(Source("t.ta", text))

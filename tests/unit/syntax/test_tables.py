@@ -12,6 +12,8 @@ from tachk.base.span import Source
 from tachk.syntax.parsing import compile_grammar, tables
 from tachk.syntax.parsing.driver import drive
 
+pytestmark = pytest.mark.drawn
+
 
 @pytest.fixture
 def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

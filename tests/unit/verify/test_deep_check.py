@@ -8,6 +8,8 @@ from tachk.engine.options import Limits
 from tachk.model.run import TimedTrace
 from tachk.verify.semantic_lint.findings import DeepCheck
 
+pytestmark = pytest.mark.drawn
+
 DEEP_CODES = explanations("semantic_lint")
 
 

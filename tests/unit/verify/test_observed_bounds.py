@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
+
+pytestmark = pytest.mark.drawn
+
 Answers = Callable[..., dict[str, str]]
 
 

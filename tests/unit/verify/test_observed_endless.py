@@ -12,6 +12,8 @@ from tachk.formats.loading.load import load_model
 from tachk.verify.observed_liveness import FLEETING
 from tachk.verify.verify import verify
 
+pytestmark = pytest.mark.drawn
+
 Answers = Callable[..., dict[str, str]]
 
 # `Assumed` fails where W can be passed in no time: that does not break the assumption.

@@ -163,7 +163,7 @@ def test_ctrl_c_is_heard_where_another_thread_gets_it() -> None:
 def test_a_search_whose_time_is_over_leaves_time_to_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     model = tachk.load(ROOT / "models/micro_xrce_dds/client_3_0.ta", LOSSES=3)
     monkeypatch.setattr(in_order, "ALONE", -1.0)
-    options, limits = Options(processes=2).off("unblocked", "sliced"), Limits(seconds=2)
+    options, limits = Options(processes=2).off("unblocked", "sliced"), Limits(seconds=1)
     report = model.verify("E<> false", property=["RMIO"], options=options, limits=limits)
     assert {verdict.reason for verdict in report.record.verdicts} == {TIME_LIMIT}
 

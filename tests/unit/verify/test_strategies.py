@@ -24,6 +24,8 @@ from tachk.verify.verdict import Answer, Verdict
 from tests.support.reductions.verdict_agreement import FEW_STATES, random_questions
 from tests.support.strategies import changed, rows
 
+pytestmark = pytest.mark.drawn
+
 MODEL = """
 chan go;
 process P() { clock x; init location A { to B { guard x >= 2; sync go!; } } location B; }

@@ -15,6 +15,8 @@ from tachk.xrce.measuring.quantity import Confidence
 from tests.unit.xrce.captures import CREATE_CLIENT, udp
 from tests.unit.xrce.test_measure import acknack, capture, direct, down, heartbeat, up, write
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).resolve().parents[3]
 MODEL = ROOT / "models/micro_xrce_dds/client_3_0.ta"
 RECORDED_MODEL = ROOT / "models/micro_xrce_dds/recorded.ta"

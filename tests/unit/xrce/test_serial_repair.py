@@ -21,6 +21,8 @@ from tachk.xrce.serial_repair import repaired
 from tachk.xrce.transmissions import read_transmissions
 from tests.support.seeds import some
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[3]
 LINE = ROOT / "tests/data/serial_line.pcap"
 DAMAGED = ROOT / "tests/data/serial_line_damaged_frames.pcap"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,6 +24,8 @@ from tachk.formats.loading.load import load_model
 from tachk.model.builder import NetworkBuilder
 from tachk.model.expressions import Conditional
 from tachk.model.types import ArrayType, ClockType, IntType
+
+pytestmark = pytest.mark.drawn
 
 X, Y = 1, 2
 

@@ -11,6 +11,8 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Program
 from tachk.formats.loading.load import load_model
 
+pytestmark = pytest.mark.drawn
+
 _DECLARATIONS = (
     "int[0,99] n; int[-5,20] m; int a[100]; bool b; const int K = 7; clock x; chan c; broadcast chan d; chan e[100];"
     "int square(int k) { return k * k; } process Q() { init location z { to z { sync c!; } to z { sync d?; } } } "

@@ -43,6 +43,8 @@ from tachk.verify.verify import verify
 from tests.support.seeds import seeds
 from tests.unit.meaning.judge.proofs import MODELS, PLAIN, judged, proved, written
 
+pytestmark = pytest.mark.drawn
+
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema" / "certify.schema.json"
 
 

@@ -11,7 +11,7 @@ from tachk.verify.verify import verify
 from tests.support.seeds import some
 from tests.unit.meaning.judge.proofs import MODELS, judged, proved, written
 
-pytestmark = pytest.mark.drawn
+pytestmark = pytest.mark.drawn(8)
 
 SMALL: dict[str, dict[str, int | bool]] = {
     "classics/bridge.ta": {},

@@ -20,6 +20,8 @@ from tachk.verify.certificates import Checker, check_proof
 from tests.unit.meaning.judge.proofs import MODELS, PLAIN, judged, proved, written
 from tests.unit.meaning.judge.test_certificates import blocks_without
 
+pytestmark = pytest.mark.drawn
+
 LARGE: list[tuple[str, str, dict[str, int | bool], int]] = [
     ("fischer.ta", "mutual_exclusion", {"N": 20}, 460),
     ("train_gate.ta", "one_at_a_time", {"N": 10}, 100),

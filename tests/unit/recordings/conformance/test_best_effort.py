@@ -18,6 +18,8 @@ from tachk.recordings.conformance.edits import Edit, edited
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.xrce.conformance.packet_events import read_capture
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 MODELS = ROOT / "models/micro_xrce_dds"
 CAPTURES = ROOT / "tests/data/captures"

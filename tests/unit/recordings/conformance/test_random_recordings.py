@@ -28,6 +28,8 @@ from tests.unit.recordings.conformance.small_models import (
     text_of,
 )
 
+pytestmark = pytest.mark.drawn
+
 
 @pytest.mark.parametrize("seed", seeds(range(6)))
 def test_engine_agrees_with_judge(seed: int, tmp_path: Path) -> None:

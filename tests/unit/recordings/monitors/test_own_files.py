@@ -23,6 +23,8 @@ from tachk.simulation.formulas import columns_with
 from tachk.simulation.runs import Runs
 from tachk.simulation.tables import run_writer
 
+pytestmark = pytest.mark.drawn
+
 MODEL = """\
 time_unit = UNIT;
 int[-3, 5] n = 0; bool flag; int[-3, 5] t[2][2]; double level = 0.5;

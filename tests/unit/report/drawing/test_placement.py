@@ -20,6 +20,8 @@ from picture_faults import faults, lying_together, missing
 
 from tests.support.seeds import seeds
 
+pytestmark = pytest.mark.drawn
+
 MODELS = sorted((Path(__file__).parents[4] / "models").rglob("*.ta"))
 
 

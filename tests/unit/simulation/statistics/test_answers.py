@@ -17,6 +17,8 @@ from tachk.report.statistics.verifyta import statistical_lines
 from tachk.simulation.statistics.answers import StatisticalAnswer, answer_statistical
 from tachk.simulation.statistics.estimate import DrawnRuns, Settings
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 MODEL = """
 clock x;

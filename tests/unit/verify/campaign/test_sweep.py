@@ -23,6 +23,8 @@ from tachk.cli.main import app
 from tachk.verify.campaign.job import KILLED
 from tachk.verify.campaign.run import Progress
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 FISCHER = ROOT / "models/classics/fischer.ta"
 SCHEMA = json.loads((ROOT / "docs/schema/sweep.schema.json").read_text(encoding="utf-8"))

@@ -14,6 +14,8 @@ from tachk.recordings.monitors.formulas import read_formulas
 from tachk.verify.requirements.analysis import FindingKind, RequirementAnalysis, analyse
 from tests.support.seeds import enough, seeds
 
+pytestmark = pytest.mark.drawn
+
 
 def analysed(*texts: str) -> RequirementAnalysis:
     """The requirements are called ``a``, ``b``, ... in order."""

@@ -18,6 +18,8 @@ from tachk.verify.synthesis.region import CellEvidence, Region
 from tests.support.seeds import enough, seeds
 from tests.unit.verify.synthesis.random_models import HIGH, LOW, random_model
 
+pytestmark = pytest.mark.drawn
+
 SEEDS = 30
 VALUES = range(LOW, HIGH + 1)
 OVER = f"P={LOW}..{HIGH},Q={LOW}..{HIGH}"
