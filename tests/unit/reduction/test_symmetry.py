@@ -107,6 +107,20 @@ def test_another_process_may_not_prefer_one() -> None:
     assert reasons == ["the process Q distinguishes them here"]
 
 
+def test_invariants_may_name_neighbours() -> None:
+    """Each process of the ring looks at the clock of its neighbour: colours do not tell them apart, exchanges do."""
+    text = """
+    clock a, b, c, d, e, f;
+    process P(clock &own, clock &next) {
+        init location L { invariant next <= 5; to L { guard own > 2; assign own = 0; } }
+    }
+    A = P(a, b); B = P(b, c); C = P(c, d); D = P(d, e); E = P(e, f); F = P(f, a);
+    system A, B, C, D, E, F;
+    """
+    groups, _ = found(text=text)
+    assert groups == []
+
+
 def test_initial_values_may_prefer_one() -> None:
     text = TEXT.replace("owner = 0;", "owner = 1;", 1) % ("guard owner == 0; assign owner = me;", "")
     assert found(text=text) == ([3], [])
