@@ -6,13 +6,14 @@ import copy
 import dataclasses
 import inspect
 import pickle
-from dataclasses import FrozenInstanceError, field, fields, replace
+from dataclasses import FrozenInstanceError
 from typing import Any
 
 import pytest
 
 import tachk.base.records
-from tachk.base.records import dataclass
+from tachk.base import record_methods
+from tachk.base.records import dataclass, field, fields, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,12 +125,10 @@ def test_a_method_is_compiled_once_and_when_it_is_called(monkeypatch: pytest.Mon
     assert made == ["Late", "Late"]
 
 
-STANDARD = dataclasses.dataclass
-
-
 def test_classes_are_like_those_of_the_standard_decorator() -> None:
     """What both make of the same words."""
-    ours, theirs = ({"dataclass": each, "field": field} for each in (dataclass, STANDARD))
+    ours = {"dataclass": dataclass, "field": field}
+    theirs = {"dataclass": dataclasses.dataclass, "field": dataclasses.field}
     words = """
 from __future__ import annotations
 
@@ -165,9 +164,51 @@ class Plain:
         if name != "Plain":
             assert repr(mine(*arguments)) == repr(other(*arguments))
             assert hash(mine(1, b=3)) == hash(other(1, b=3))
+    foreign = {"dataclass": dataclass, "field": dataclasses.field}
+    with pytest.raises(TypeError, match="the function `field` is that of"):
+        exec("@dataclass()\nclass Wrong:\n    x: int = field(repr=False)", foreign)
     mutable = {"dataclass": dataclass}
     with pytest.raises(ValueError, match="mutable default"):
         exec("@dataclass()\nclass Wrong:\n    x: list = []", mutable)
+
+
+@pytest.mark.parametrize("number", [1, 3, 30])
+def test_records_of_any_size_are_like_those_of_the_standard_decorator(number: int) -> None:
+    """Also of more fields than there are compiled methods for."""
+    names = [f"n{each}" for each in range(number)]
+    ours, theirs = (
+        made(frozen=True)(type("Sized", (), {"__annotations__": dict.fromkeys(names, int)}))
+        for made in (dataclass, dataclasses.dataclass)
+    )
+    mine, other = ours(*range(number)), theirs(*range(number))
+    assert repr(mine) == repr(other)
+    assert hash(mine) == hash(other)
+    assert dataclasses.asdict(mine) == dataclasses.asdict(other)
+    assert mine == ours(**dict(zip(names, range(number), strict=True))) != replace(mine, n0=7)
+    assert replace(mine, n0=7) == dataclasses.replace(mine, n0=7)
+    assert [each.default for each in dataclasses.fields(mine)] == [each.default for each in dataclasses.fields(other)]
+
+
+@pytest.mark.parametrize("kind", record_methods.METHODS)
+def test_the_compiled_methods_are_what_their_text_says(kind: str) -> None:
+    for number, method in enumerate(record_methods.METHODS[kind]):
+        written = eval(record_methods.text(kind, number)).__code__
+        assert (written.co_code, written.co_consts, written.co_names, written.co_varnames) == (
+            method.__code__.co_code,
+            method.__code__.co_consts,
+            method.__code__.co_names,
+            method.__code__.co_varnames,
+        )
+
+
+def test_standard_classes_and_records_inherit_from_each_other() -> None:
+    @dataclasses.dataclass(frozen=True)
+    class Standard(OwnText):
+        more: str = "m"
+
+    assert dataclasses.astuple(Standard(1)) == (1, "m")
+    assert replace(Standard(1), n=2) == Standard(2)
+    assert [each.name for each in fields(Standard)] == ["n", "more"]
 
 
 def test_an_object_that_holds_itself_has_a_text() -> None:

@@ -6,7 +6,6 @@ docs/certificates.md.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -17,6 +16,7 @@ from tachk_munta.writer import to_munta
 from plugins.munta.tests.munta_interpretation import MuntaInterpretation
 from tachk.api import model as api
 from tachk.base.diagnostics.diagnostic import UnsupportedError
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine import zone
 from tachk.engine.compiler.lower import lower

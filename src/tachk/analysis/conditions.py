@@ -7,12 +7,11 @@ those that cannot fail before those that can; among themselves those that can fa
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field
 
 from tachk.analysis.fold import Known, fold, negate
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS, BinaryOperator, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.model.connectives import both, either, is_conjunction, sides
 from tachk.model.expressions import (

@@ -6,11 +6,10 @@ An operation that would fail is left in place, so that it fails when the model r
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
 
 from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.model.connectives import negation
 from tachk.model.expressions import (
     BOOL,

@@ -8,10 +8,10 @@ sees so: M. Wegman, F. K. Zadeck, "Constant propagation with conditional branche
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, fold, known_values, negate
 from tachk.base.operators import CONNECTIVES, UnaryOperator
+from tachk.base.records import replace
 from tachk.model.expressions import BOOL, Binary, Block, Call, Constant, Expression, Function, Return, Unary
 from tachk.model.network import Edge, Network, Process
 from tachk.model.remembered import by_network

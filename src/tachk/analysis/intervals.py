@@ -8,7 +8,6 @@ range, whatever is written to it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import field
 from functools import reduce
 from itertools import product
 from math import prod
@@ -17,7 +16,7 @@ from typing import NamedTuple, TypeVar
 from tachk.analysis.fold import Known, apply_binary
 from tachk.analysis.interpreter import Domain, Side, ValueOperations, number, place, run
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.model.expressions import Call, Constant, Expression, Function, Variable
 from tachk.model.remembered import by_part

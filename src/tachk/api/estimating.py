@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, overload
 
 from tachk.base.arguments import checked_arguments
@@ -11,6 +10,7 @@ from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
 from tachk.base.frames import data_frame
 from tachk.base.notebook import folded, html_table
+from tachk.base.records import dataclass, field, replace
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.frontend.queries.queries import UncheckedQuery
 from tachk.model.query import Query

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from fractions import Fraction
 from typing import Any
 
 from tachk.base.arguments import checked_arguments
+from tachk.base.records import fields
 from tachk.recordings.monitors import mining
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.mined import Mined

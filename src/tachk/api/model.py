@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from tachk.api.estimating import Estimable, answers_among, share_of_searches
@@ -22,6 +21,7 @@ from tachk.api.running import Runnable
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, TachkError, UnsupportedError, UsageError
 from tachk.base.job import Progress, current_job, followed, limited, remembering_interruption
+from tachk.base.records import dataclass, field, replace
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
 from tachk.engine.options import Engine, Extrapolation, Limits, Options, SearchOrder
@@ -206,7 +206,7 @@ def random_network(seed: int = 0) -> Model:
     return Model(random_case(Random(seed)).network, f"<random network {seed}>")
 
 
-@dataclass(frozen=True, slots=True, init=False)
+@dataclass(frozen=True, slots=True)
 class Model(Estimable, Runnable):
     """An instantiated model with the properties it states.
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, wraps
-from inspect import Parameter, Signature, signature
-from numbers import Real
+from itertools import islice
 from operator import index
 from typing import ParamSpec, TypeVar
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -22,15 +22,11 @@ def checked_arguments(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Where any number of texts or paths follow each other, lists of them are taken, too. Annotations that have no row in
     the tables below allow everything.
     """
-    described = cache(lambda: signature(function))
+    described = cache(lambda: _AnnotatedParameters.of(function))
 
     @wraps(function)
     def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        try:
-            bound = described().bind(*args, **kwargs)
-        except TypeError:
-            return function(*args, **kwargs)  # Python says which argument is missing or too many
-        args_, kwargs_ = _checked(described(), bound.arguments)
+        args_, kwargs_ = described().checked(args, kwargs)
         return function(*args_, **kwargs_)  # type: ignore[arg-type]
 
     return call
@@ -51,33 +47,57 @@ def check_proportion(name: str, value: float) -> None:
         raise UsageError(f"`{name}` is {value}, but it must lie between 0 and 1")
 
 
-def _checked(described: Signature, given: Mapping[str, object]) -> tuple[list[object], dict[str, object]]:
-    """Positional and named arguments as the function takes them."""
-    positional: list[object] = []
-    named: dict[str, object] = {}
-    for name, value in given.items():
-        parameter = described.parameters[name]
-        annotation = parameter.annotation if isinstance(parameter.annotation, str) else "Any"
-        if parameter.kind is Parameter.VAR_POSITIONAL:
-            assert isinstance(value, tuple)
-            several = [inner for each in value for inner in (each if isinstance(each, list | tuple) else (each,))]
-            for each in several:
-                check_argument(name, each, annotation)
-            positional += several
-        elif parameter.kind is Parameter.VAR_KEYWORD:
-            assert isinstance(value, dict)
-            for key, each in value.items():
-                check_argument(key, each, annotation)
-            named |= value
-        else:
+@dataclass(frozen=True, slots=True)
+class _AnnotatedParameters:
+    """The parameters of a function with their annotations. The module `inspect` would take longer than most calls.
+
+    Attributes:
+        positional: in order, each with its annotation.
+        several: the name and the annotation of what takes any number of positional arguments; None: there is none.
+        named: the annotations of those that can be given by name.
+        other: the annotation of those whose names are free; None: there are none.
+    """
+
+    positional: Sequence[tuple[str, str]]
+    several: tuple[str, str] | None
+    named: Mapping[str, str]
+    other: str | None
+
+    @classmethod
+    def of(cls, function: Callable[..., object]) -> _AnnotatedParameters:
+        code, annotations = function.__code__, function.__annotations__
+        names = iter([(name, _text(annotations.get(name))) for name in code.co_varnames])
+        positional = list(islice(names, code.co_argcount))
+        named = dict([*positional[code.co_posonlyargcount :], *islice(names, code.co_kwonlyargcount)])
+        several = next(names) if code.co_flags & _VARARGS else None
+        other = next(names)[1] if code.co_flags & _VARKEYWORDS else None
+        return cls(positional, several, named, other)
+
+    def checked(
+        self, given: Sequence[object], named: Mapping[str, object]
+    ) -> tuple[Sequence[object], Mapping[str, object]]:
+        """The arguments as the function takes them. Python says which are missing or too many."""
+        more = given[len(self.positional) :]
+        for (name, annotation), value in zip(self.positional, given, strict=False):
             check_argument(name, value, annotation)
-            if parameter.kind is Parameter.KEYWORD_ONLY:
-                named[name] = value
-            elif len(positional) == list(described.parameters).index(name):
-                positional.append(value)
-            else:
-                named[name] = value
-    return positional, named
+        if self.several is not None:
+            more = [inner for each in more for inner in (each if isinstance(each, list | tuple) else (each,))]
+            for value in more:
+                check_argument(self.several[0], value, self.several[1])
+            given = [*given[: len(self.positional)], *more]
+        for name, value in named.items():
+            kind = self.named.get(name) or self.other
+            if kind is not None:
+                check_argument(name, value, kind)
+        return given, named
+
+
+_VARARGS, _VARKEYWORDS = 0x04, 0x08
+"""Among the flags of code, see `inspect`."""
+
+
+def _text(annotation: object) -> str:
+    return annotation if isinstance(annotation, str) else "Any"
 
 
 def _alternatives(annotation: str) -> Iterator[str]:
@@ -117,11 +137,19 @@ def _is_whole(value: object) -> bool:
     return True
 
 
+def _is_real(value: object) -> bool:
+    if isinstance(value, int | float):
+        return True
+    from numbers import Real
+
+    return isinstance(value, Real)
+
+
 _TESTS: Mapping[str, Callable[[object], bool]] = {
     "None": lambda value: value is None,
     "str": lambda value: isinstance(value, str),
     "int": _is_whole,
-    "float": lambda value: isinstance(value, Real) and value == value,  # nan is none
+    "float": lambda value: _is_real(value) and value == value,  # nan is none
     "os.PathLike": lambda value: isinstance(value, os.PathLike),
     "Path": lambda value: isinstance(value, os.PathLike),
     "Mapping": lambda value: isinstance(value, Mapping),

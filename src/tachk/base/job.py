@@ -16,13 +16,12 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import replace
 from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 
 _STATM = Path("/proc/self/statm")
 _SECONDS_BETWEEN_CHECKS = 0.025

@@ -8,13 +8,13 @@ dictionary has, and their names there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
 from enum import Enum
 from fractions import Fraction
 from operator import attrgetter
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.records import fields, is_dataclass
 from tachk.base.span import Span
 
 _ATOMS = frozenset({str, int, float, bool, type(None)})

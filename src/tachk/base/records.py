@@ -1,25 +1,114 @@
-"""The standard ``dataclass``, but each method is compiled when it is first called.
+"""The standard ``dataclass``, but each method is made when it is first called.
 
 The standard decorator compiles six functions for every class while its module is imported. Over some hundred classes,
 most of whose methods are never called in one run, that was half of the start of the program. What it does besides takes
-several times as long as what is done here, because it knows more kinds of fields than these records have.
+several times as long as what is done here, because it knows more kinds of fields than these records have. And its
+module imports parsers of Python, which take longer than half of this package.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-__all__ = ["dataclass"]
+__all__ = ["dataclass", "field", "fields", "is_dataclass", "replace"]
 
 if TYPE_CHECKING:
-    from dataclasses import dataclass
+    from dataclasses import dataclass, field, fields, is_dataclass, replace
 else:
-    import dataclasses
     import types
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Mapping
+    from operator import methodcaller
+
+    from tachk.base import record_methods
 
     _FIELDS = "__dataclass_fields__"
-    _MISSING = dataclasses.MISSING
+
+    class _Missing:
+        """Stands for a default that is not given."""
+
+    _MISSING = _Missing()
+
+    class _RecordField:
+        """What `dataclasses.Field` says of a field, for the functions of that module too."""
+
+        __slots__ = (
+            "_default",
+            "_factory",
+            "compare",
+            "hash",
+            "init",
+            "kw_only",
+            "metadata",
+            "name",
+            "repr",
+            "type",
+        )
+
+        @property
+        def default(self) -> object:
+            return _standard(self._default)
+
+        @property
+        def default_factory(self) -> object:
+            return _standard(self._factory)
+
+        @property
+        def _field_type(self) -> object:
+            import dataclasses
+
+            return dataclasses._FIELD
+
+    def _standard(given: object) -> object:
+        if given is not _MISSING:
+            return given
+        import dataclasses
+
+        return dataclasses.MISSING
+
+    def field(
+        *,
+        default: object = _MISSING,
+        default_factory: object = _MISSING,
+        init: bool = True,
+        repr: bool = True,
+        hash: bool | None = None,
+        compare: bool = True,
+        metadata: Mapping[object, object] | None = None,
+        kw_only: bool = False,
+    ) -> _RecordField:
+        """`dataclasses.field`."""
+        made = _RecordField()
+        made._default, made._factory = default, default_factory
+        made.init, made.repr, made.hash, made.compare, made.kw_only = init, repr, hash, compare, kw_only
+        made.metadata = types.MappingProxyType(metadata or {})
+        return made
+
+    def is_dataclass(thing: object) -> bool:
+        """`dataclasses.is_dataclass`."""
+        return hasattr(thing if isinstance(thing, type) else type(thing), _FIELDS)
+
+    def fields(thing: object) -> tuple[_RecordField, ...]:
+        """`dataclasses.fields`."""
+        if getattr(thing, "__dataclass_params__", None).__class__ is _Parameters:
+            return tuple(getattr(thing, _FIELDS).values())
+        import dataclasses
+
+        return dataclasses.fields(thing)
+
+    def replace(thing: object, /, **changes: object) -> object:
+        """`dataclasses.replace`."""
+        if getattr(thing, "__dataclass_params__", None).__class__ is not _Parameters:
+            import dataclasses
+
+            return dataclasses.replace(thing, **changes)
+        for each in getattr(thing, _FIELDS).values():
+            name = each.name
+            if not each.init:
+                if name in changes:
+                    raise ValueError(f"field {name} is declared with init=False, it cannot be specified with replace()")
+            elif name not in changes:
+                changes[name] = getattr(thing, name)
+        return thing.__class__(**changes)
 
     class _Factory:
         """Stands for the default of a parameter whose value comes from a function."""
@@ -58,19 +147,19 @@ else:
         """
 
         def decorate(plain: type) -> type:
-            fields = _fields(plain)
+            found = _fields(plain)
             made: list[type] = []
             members = {
-                _FIELDS: fields,
+                _FIELDS: found,
                 "__dataclass_params__": _Parameters(frozen, slots, eq),
-                "__match_args__": tuple(each.name for each in fields.values() if each.init and not each.kw_only),
+                "__match_args__": tuple(each.name for each in found.values() if each.init and not each.kw_only),
                 "__doc__": plain.__doc__ or plain.__name__,
                 "__signature__": _Signature(),
             }
             names = ["__init__", "__repr__", *(["__eq__"] if eq else ()), *(["__hash__"] if eq and frozen else ())]
             for name in names:
                 if name not in plain.__dict__ or (name == "__hash__" and plain.__hash__ is None):
-                    members[name] = _placeholder(plain, made, name, frozen)
+                    members[name] = _placeholder(plain, made, name)
             if eq and not frozen and "__hash__" not in plain.__dict__:
                 members["__hash__"] = None
             if frozen:
@@ -78,7 +167,7 @@ else:
             if frozen and slots:
                 members |= {"__getstate__": _state, "__setstate__": _restore}
             if slots:
-                cls = _with_slots(plain, fields, members)
+                cls = _with_slots(plain, found, members)
             else:
                 cls = plain
                 for name, member in members.items():
@@ -88,42 +177,44 @@ else:
 
         return decorate
 
-    def _fields(plain: type) -> dict[str, dataclasses.Field]:
+    def _fields(plain: type) -> dict[str, _RecordField]:
         """The fields of the classes it inherits from, and its own, whose defaults become attributes of the class."""
-        fields = {}
+        found = {}
         for base in reversed(plain.__mro__[1:]):
-            fields |= base.__dict__.get(_FIELDS, {})
+            found |= base.__dict__.get(_FIELDS, {})
         for name, kind in plain.__annotations__.items():
             given = plain.__dict__.get(name, _MISSING)
-            each = given if isinstance(given, dataclasses.Field) else dataclasses.field(default=given)
-            each.name, each.type, each._field_type = name, kind, dataclasses._FIELD
-            each.kw_only = each.kw_only is True
-            if each.default.__class__.__hash__ is None:
-                raise ValueError(f"mutable default {each.default!r} for field {name}: use default_factory")
-            if each is given and each.default is _MISSING:
+            each = given if given.__class__ is _RecordField else field(default=given)
+            each.name, each.type = name, kind
+            default = each._default
+            if default.__class__.__hash__ is None:
+                raise ValueError(f"mutable default {default!r} for field {name}: use default_factory")
+            if default.__class__.__module__ == "dataclasses":
+                raise TypeError(f"field {name}: the function `field` is that of {__name__}")
+            if each is given and default is _MISSING:
                 delattr(plain, name)
             elif each is given:
-                setattr(plain, name, each.default)
-            fields[name] = each
-        return fields
+                setattr(plain, name, default)
+            found[name] = each
+        return found
 
-    def _with_slots(plain: type, fields: dict[str, dataclasses.Field], more: dict[str, object]) -> type:
+    def _with_slots(plain: type, found: dict[str, _RecordField], more: dict[str, object]) -> type:
         """The same class with slots for its fields and with more members; a class cannot get slots after it was made,
         and what it has from the beginning costs less than what it gets later."""
         there = {slot for base in plain.__mro__[1:-1] for slot in base.__dict__.get("__slots__", ())}
-        left_out = {*fields, "__dict__", "__weakref__"}
+        left_out = {*found, "__dict__", "__weakref__"}
         members = {name: value for name, value in plain.__dict__.items() if name not in left_out} | more
-        members["__slots__"] = tuple(name for name in fields if name not in there)
+        members["__slots__"] = tuple(name for name in found if name not in there)
         cls = type(plain)(plain.__name__, plain.__bases__, members)
         cls.__qualname__ = plain.__qualname__
         return cls
 
-    def _placeholder(plain: type, made: list[type], name: str, frozen: bool) -> Callable[..., object]:
+    def _placeholder(plain: type, made: list[type], name: str) -> Callable[..., object]:
         """A method that puts the real one in its place, in the class that will be made of this one, and calls it."""
 
         def method(self: object, *arguments: object, **named: object) -> object:
             (cls,) = made
-            compiled = _compiled(cls, name, frozen)
+            compiled = _compiled(cls, name)
             setattr(cls, name, compiled)
             return compiled(self, *arguments, **named)
 
@@ -133,96 +224,108 @@ else:
         method.is_placeholder = True
         return method
 
-    def _compiled(cls: type, name: str, frozen: bool) -> Callable[..., object]:
+    def _compiled(cls: type, name: str) -> Callable[..., object]:
         """One method, as the standard decorator would write it."""
-        fields = dataclasses.fields(cls)
+        all_fields = fields(cls)
         match name:
             case "__init__":
-                method = _init(cls, fields, frozen)
+                method = _init(cls, all_fields)
             case "__repr__":
-                shown = ", ".join(f"{each.name}={{self.{each.name}!r}}" for each in fields if each.repr)
-                text = f"def __repr__(self): return f'{{self.__class__.__qualname__}}({shown})'"
-                method = _function(_code(text), (), {})
+                method = _repr([each.name for each in all_fields if each.repr])
             case "__eq__":
-                compared = tuple(each.name for each in fields if each.compare)
-                mine, others = (
-                    "".join(f"{whose}.{_P}{n}," for n in range(len(compared))) for whose in ("self", "other")
-                )
-                text = "def __eq__(self, other):\n if other.__class__ is not self.__class__: return NotImplemented"
-                method = _function(_code(f"{text}\n return ({mine}) == ({others})"), compared, {})
+                compared = tuple(each.name for each in all_fields if each.compare)
+                method = _function(_code("equal", len(compared)), name, compared, {})
             case _:
-                hashed = tuple(each.name for each in fields if (each.compare if each.hash is None else each.hash))
-                values = "".join(f"self.{_P}{n}," for n in range(len(hashed)))
-                method = _function(_code(f"def __hash__(self): return hash(({values}))"), hashed, {})
-        if name == "__repr__":
-            from reprlib import recursive_repr
-
-            method = recursive_repr()(method)
+                hashed = tuple(each.name for each in all_fields if (each.compare if each.hash is None else each.hash))
+                method = _function(_code("hash", len(hashed)), name, hashed, {})
         method.__qualname__ = f"{cls.__qualname__}.{name}"
         method.__module__ = cls.__module__
         return method
 
-    _P = "p_"
-    """Begins the names that stand for those of fields in texts, each with a number. So methods of many classes have the
-    same text, which is compiled once; compiling took a tenth of the start of the program."""
+    def _repr(shown: Iterable[str]) -> types.FunctionType:
+        from reprlib import recursive_repr
 
-    _codes: dict[str, types.CodeType] = {}
+        def __repr__(self: object) -> str:  # noqa: N807
+            values = ", ".join(f"{name}={getattr(self, name)!r}" for name in shown)
+            return f"{self.__class__.__qualname__}({values})"
 
-    def _code(text: str) -> types.CodeType:
-        """The code of the function that a text defines."""
-        code = _codes.get(text)
+        return recursive_repr()(__repr__)
+
+    _codes: dict[tuple[str, int], types.CodeType] = {}
+
+    def _code(kind: str, number: int) -> types.CodeType:
+        """The code of a method of records with so many fields."""
+        code = _codes.get((kind, number))
         if code is None:
-            made: dict[str, types.FunctionType] = {}
-            exec(text, made)
-            code = _codes[text] = made[text[len("def ") : text.index("(")]].__code__
+            known = record_methods.METHODS[kind]
+            made = known[number] if number < len(known) else eval(record_methods.text(kind, number))
+            code = _codes[kind, number] = made.__code__
         return code
 
-    def _function(code: types.CodeType, names: tuple[str, ...], known: dict[str, object]) -> types.FunctionType:
+    def _function(
+        code: types.CodeType, method: str, names: tuple[str, ...], known: dict[str, object], named_only: int = 0
+    ) -> types.FunctionType:
         """The function with the names of fields in their places, and with what is known to it."""
-        places = {f"{_P}{number}": name for number, name in enumerate(names)}
+        places = {f"p_{number}": name for number, name in enumerate(names)}
 
         def renamed(things: tuple[object, ...]) -> tuple[object, ...]:
             return tuple(places.get(each, each) if each.__class__ is str else each for each in things)
 
         code = code.replace(
+            co_name=method,
             co_varnames=renamed(code.co_varnames),
             co_names=renamed(code.co_names),
             co_consts=renamed(code.co_consts),
+            co_argcount=code.co_argcount - named_only,
+            co_kwonlyargcount=named_only,
         )
-        return types.FunctionType(code, known, code.co_name)
+        return types.FunctionType(code, known, method)
 
-    def _init(cls: type, fields: tuple[dataclasses.Field, ...], frozen: bool) -> types.FunctionType:
-        fields = tuple(sorted(fields, key=lambda each: each.kw_only))
-        known: dict[str, object] = {"assign": object.__setattr__, "made": _FACTORY}
-        parameters, body = [], []
+    def _init(cls: type, all_fields: tuple[_RecordField, ...]) -> types.FunctionType:
+        given = sorted((each for each in all_fields if each.init), key=lambda each: each.kw_only)
         defaults, named = [], {}
-        for number, each in enumerate(fields):
-            name, factory = f"{_P}{number}", f"factory_{number}"
-            value = name
-            default = each.default
-            if each.default_factory is not _MISSING:
-                known[factory], default = each.default_factory, _FACTORY
-                value = f"{factory}() if {name} is made else {name}" if each.init else f"{factory}()"
-            elif not each.init:
-                known[f"default_{number}"], value = default, f"default_{number}"
-            if each.init:
-                if each.kw_only and "*" not in parameters:
-                    parameters.append("*")
-                parameters.append(name)
-                if default is not _MISSING and each.kw_only:
-                    named[each.name] = default
-                elif default is not _MISSING:
-                    defaults.append(default)
-                elif defaults and not each.kw_only:
-                    raise TypeError(f"non-default argument {each.name!r} follows default argument")
-            if each.init or default is not _MISSING:
-                body.append(f"assign(self, {name!r}, {value})" if frozen else f"self.{name} = {value}")
-        if hasattr(cls, "__post_init__"):
-            body.append("self.__post_init__()")
-        text = f"def __init__(self, {', '.join(parameters)}):\n " + "\n ".join(body or ["pass"])
-        method = _function(_code(text), tuple(each.name for each in fields), known)
+        for each in given:
+            default = each._default if each._factory is _MISSING else _FACTORY
+            if default is not _MISSING and each.kw_only:
+                named[each.name] = default
+            elif default is not _MISSING:
+                defaults.append(default)
+            elif defaults and not each.kw_only:
+                raise TypeError(f"non-default argument {each.name!r} follows default argument")
+        known: dict[str, object] = {"assign": object.__setattr__}
+        after = _completion(cls, all_fields)
+        if after is not None:
+            known["after"] = after
+        method = _function(
+            _code("init" if after is None else "init and after", len(given)),
+            "__init__",
+            tuple(each.name for each in given),
+            known,
+            sum(each.kw_only for each in given),
+        )
         method.__defaults__, method.__kwdefaults__ = tuple(defaults) or None, named or None
         return method
+
+    def _completion(cls: type, all_fields: Iterable[_RecordField]) -> Callable[[object], None] | None:
+        """What an object needs when its arguments are assigned: other values, and its own ``__post_init__``."""
+        made = [(each.name, each.init, each._factory) for each in all_fields if each._factory is not _MISSING]
+        left_out = [each for each in all_fields if not each.init]
+        constant = [(each.name, each._default) for each in left_out if each._default is not _MISSING]
+        begun = hasattr(cls, "__post_init__")
+        if not made and not constant:
+            return methodcaller("__post_init__") if begun else None
+        assign = object.__setattr__
+
+        def complete(self: object) -> None:
+            for name, is_given, factory in made:
+                if not is_given or getattr(self, name) is _FACTORY:
+                    assign(self, name, factory())
+            for name, value in constant:
+                assign(self, name, value)
+            if begun:
+                self.__post_init__()
+
+        return complete
 
     class _Signature:
         """``__signature__`` of a class whose ``__init__`` may not be compiled yet."""
@@ -234,9 +337,9 @@ else:
             if getattr(method, "is_placeholder", False):
                 for cls in owner.__mro__:
                     if cls.__dict__.get("__init__") is method:
-                        method = _compiled(cls, "__init__", cls.__setattr__ is _assign)
+                        method = _compiled(cls, "__init__")
             whole = inspect.signature(method)
-            kinds = {each.name: each.type for each in dataclasses.fields(owner)}
+            kinds = {each.name: each.type for each in fields(owner)}
             parameters = [
                 each.replace(annotation=kinds.get(each.name, each.annotation))
                 for each in list(whole.parameters.values())[1:]
@@ -244,14 +347,18 @@ else:
             return whole.replace(parameters=parameters, return_annotation=None)
 
     def _assign(self: object, name: str, value: object) -> None:
-        raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+        from dataclasses import FrozenInstanceError
+
+        raise FrozenInstanceError(f"cannot assign to field {name!r}")
 
     def _delete(self: object, name: str) -> None:
-        raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
+        from dataclasses import FrozenInstanceError
+
+        raise FrozenInstanceError(f"cannot delete field {name!r}")
 
     def _state(self: object) -> list[object]:
-        return [getattr(self, each.name) for each in dataclasses.fields(self)]
+        return [getattr(self, each.name) for each in fields(self)]
 
     def _restore(self: object, state: list[object]) -> None:
-        for each, value in zip(dataclasses.fields(self), state, strict=True):
+        for each, value in zip(fields(self), state, strict=True):
             object.__setattr__(self, each.name, value)

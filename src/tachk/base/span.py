@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import field
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,13 +7,13 @@ import sys
 import time
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, TextIO
 
 from tachk.base.awaited_pipe import AwaitedStream, GrowingFile
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError
+from tachk.base.records import replace
 from tachk.cli.destination import growing_destination
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting, ViolationReporting

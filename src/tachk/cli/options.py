@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -14,6 +13,7 @@ import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import is_interrupted, limited, remembering_interruption
+from tachk.base.records import fields
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import guarded
 

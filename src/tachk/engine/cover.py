@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 
 from tachk import _core
 from tachk.base.job import check_job, current_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import core_limits, core_options, run_in_slices
 from tachk.engine.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Options

@@ -14,12 +14,11 @@ What clocks show that nothing compares does not count.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial, reduce
 from itertools import chain, islice
 
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.meaning import dbm, symbolic
 from tachk.meaning.clock_constants import ClockConstants, clock_constants
 from tachk.meaning.dbm import INFINITY, Federation, Zone

@@ -8,8 +8,8 @@ more in the whole network as it is, without extrapolation: that decides.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import ProgramEdge
 from tachk.engine.options import Limits, Options, SearchOrder

@@ -8,8 +8,8 @@ then the trace has the loop once, and it is the zone from which it can be taken 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.engine.exact.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
 from tachk.engine.exact.schedule import PhaseConstraint, Requirement, any_solution, earliest
 from tachk.engine.outcome import AvoidingRun, Obligation, RunEnd

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tachk import _core
+from tachk.base.records import replace
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import (
     core_limits,

@@ -8,10 +8,10 @@ elsewhere larger matrices only cost time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError, current_job
+from tachk.base.records import replace
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import core_limits, core_options
 from tachk.engine.options import Extrapolation, Limits, LocalTimes, Options

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tachk import _core
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.program import Goal, Measure, Program
 from tachk.engine.core_search import (
     RUN_TIME_ERROR,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from enum import StrEnum
 
 from tachk.base.arguments import check_argument
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.seeds import DEFAULT_SEED
 
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine import local_times
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import MeasuredSearch, core_limits, core_options, run_in_slices

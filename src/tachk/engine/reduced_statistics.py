@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.engine.compiler.program import Program
 from tachk.engine.outcome import Statistics
 

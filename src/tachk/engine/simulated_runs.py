@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from itertools import cycle
 
 from tachk import _core
 from tachk.base.job import current_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.chances_image import chances_image
 from tachk.engine.compiler.program import Chances, Comparison, Computed, Goal, Program, ProgramEdge, Test, Update
 from tachk.engine.program_image import encode

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import (
     RUN_TIME_ERROR,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.job import check_job
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property

@@ -8,10 +8,9 @@ of an array, a range, an initial value), it takes the one at hand and notes the 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field
 from typing import TYPE_CHECKING
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.model.expressions import Variable
 

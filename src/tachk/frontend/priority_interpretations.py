@@ -8,9 +8,8 @@ all: each place is an interpretation of the model, and what all interpretations 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.printing.expression_printer import print_expressions

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.base.words import Direction

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import field, replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.diagnostics.suggestion import did_you_mean
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.span import NOWHERE, Span
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.model.expressions import Constant, Expression, Function, Reference

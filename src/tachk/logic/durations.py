@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Label
+from tachk.base.records import replace
 from tachk.base.time_units import length_of
 from tachk.logic.constant_values import Evaluate, value_of
 from tachk.syntax.formula import Duration, Formula, Interval

@@ -23,10 +23,10 @@ trace, finished or not. The reasons, rule by rule:
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.syntax.formula import (
     Always,

@@ -6,10 +6,9 @@ Text, JSON and every later form of a trace are made from this one view.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.meaning.discrete import (

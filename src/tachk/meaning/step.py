@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from math import lcm
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.meaning.comparisons import comparisons
 from tachk.meaning.constraints import Disjunction, conditional_constraints, satisfied
 from tachk.meaning.dbm import INFINITY, ClockValues, Constraint, bound_value

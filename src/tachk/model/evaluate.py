@@ -8,13 +8,12 @@ A function parameter passed by value is checked like an assignment, a result aga
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import field
 from fractions import Fraction
 from typing import assert_never
 
 from tachk.base.job import check_job
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandError, wrapped
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.model.clock_sums import clock_sum
 from tachk.model.expressions import (

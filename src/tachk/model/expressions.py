@@ -7,11 +7,10 @@ its argument, every node knows its type. Equality ignores places.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
 from enum import StrEnum
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 from tachk.model.floating import FloatingOperation, hybrid_offsets
 from tachk.model.types import BoolType, IntType, Type, slot_count

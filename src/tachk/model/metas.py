@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from tachk.base.job import check_job
+from tachk.base.records import replace
 from tachk.base.words import Direction
 from tachk.model.expressions import (
     Assert,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from operator import is_
 from typing import Any, TypeVar
 
+from tachk.base.records import replace
 from tachk.model.expressions import Expression, Reference, Variable
 from tachk.model.traversal import PARTS
 

@@ -8,11 +8,10 @@ number of that clock or channel, which makes indexing, passing by reference and 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field
 from typing import TypeGuard
 
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 
 DEFAULT_INT_LOW, DEFAULT_INT_HIGH = -32768, 32767
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.records import replace
 from tachk.formats.layout.completion import complete
 from tachk.formats.layout_json import read_layout_beside
 from tachk.formats.loading.imports import Importer

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import field
 from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 from tachk.engine.options import Limits, Options
 from tachk.model.network import Network

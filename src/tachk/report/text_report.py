@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from io import StringIO
 from typing import TYPE_CHECKING, assert_never
@@ -14,6 +13,7 @@ from rich.text import Text
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.diagnostics.render import render
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.meaning.run_view import view_event, view_path, view_trace
 from tachk.model.network import Network

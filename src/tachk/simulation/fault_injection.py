@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 from math import inf, lcm
@@ -20,7 +19,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.exact_numbers import DIGITS, is_whole
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.connectives import any_of, both, conjuncts, negation
 from tachk.model.expressions import (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import lru_cache
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.records import replace
 from tachk.base.span import Source
 from tachk.model.network import Network
 from tachk.recordings.monitors.compiler import arrival_argument, column_name

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import field
 from typing import NamedTuple
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind
 

@@ -7,10 +7,9 @@ UPPAAL reads ``EXPECT:`` in a block comment as the outcome of the query before t
 from __future__ import annotations
 
 import re
-from dataclasses import field, replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.parser import parse_query

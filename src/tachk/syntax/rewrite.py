@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
 
+from tachk.base.records import fields, is_dataclass, replace
 from tachk.base.span import Span
 from tachk.syntax import ast
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields
 from typing import Any
 
+from tachk.base.records import fields
 from tachk.syntax import ast
 
 

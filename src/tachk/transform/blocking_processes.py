@@ -13,11 +13,10 @@ writer.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import field, replace
 
 from tachk.analysis.components import Component, ComponentSet, mentioned_components, places, written_components
 from tachk.analysis.fold import Known, known_values
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.words import Direction
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Edge, Network, Process

@@ -8,8 +8,8 @@ others is possible with it and without it. Its own run-time errors are not looke
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.base.words import Direction
 from tachk.model.expressions import Expression, LocationTest, Reference, Variable
 from tachk.model.network import Location, Network, Process

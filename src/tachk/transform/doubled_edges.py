@@ -11,10 +11,9 @@ Bouajjani, "Checking timed Buechi automata emptiness efficiently", FMSD 26 (2005
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.model.connectives import both, either, is_set
 from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Network, Process

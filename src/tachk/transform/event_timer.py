@@ -11,12 +11,11 @@ happens any more.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import reduce
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.connectives import as_number, is_any_committed, is_set, negation
 from tachk.model.event import BecomesTrue, Event, Fires

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.model.expressions import Expression, Reference, Variable, VariableKind
 from tachk.model.network import Location, Network, Process
 from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace

@@ -10,13 +10,12 @@ broadcast stays out where the path says so. Each run that is used is replayed.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 from math import prod
 
 from tachk.analysis.components import ComponentSet, written_components
 from tachk.analysis.fold import Known
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.connectives import both
 from tachk.model.expressions import (

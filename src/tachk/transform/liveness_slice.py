@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from itertools import product
 from math import prod
 
@@ -26,6 +25,7 @@ from tachk.analysis.fold import Known, fold, fold_place, known_values
 from tachk.analysis.recurrent_edges import suspicious
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.operators import COMPARISONS, CONNECTIVES, UnaryOperator
+from tachk.base.records import replace
 from tachk.base.words import Direction
 from tachk.model.expressions import Assign, Binary, Constant, Expression, Reference, Unary, Variable
 from tachk.model.network import Edge, Location, Network, Process

@@ -25,7 +25,6 @@ monotone counter. Weights of branches and rates of delays do not decide what is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import product
 from math import prod
 
@@ -33,6 +32,7 @@ from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, known_values
 from tachk.analysis.impossible_edges import opened
 from tachk.base.operators import COMPARISONS, CONSTANT_HIGH, BinaryOperator, UnaryOperator
+from tachk.base.records import replace
 from tachk.base.words import Direction
 from tachk.model.expressions import (
     Assign,

@@ -6,11 +6,10 @@ network goes back through all of them.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from enum import Flag, auto
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.meaning.discrete import PreparedNetwork, is_announced, prepare
 from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, is_possible
 from tachk.model.fault import EvaluationFault

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 from tachk.base.job import unhurried
+from tachk.base.records import replace
 from tachk.engine.options import Limits, Options
 from tachk.frontend.loaded import LoadedModel, other_interpretations_of
 from tachk.frontend.priority_interpretations import FIRST

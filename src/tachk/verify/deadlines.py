@@ -12,10 +12,9 @@ earlier, later or instead; committed locations and priorities stay what they are
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
 from tachk.meaning.discrete import PreparedNetwork, prepare

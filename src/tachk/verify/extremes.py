@@ -11,12 +11,11 @@ decides if the value can be beyond a number.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
 
 from tachk.analysis.fold import fold_place, known_slot, known_values
 from tachk.base.job import unhurried
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.exact.concretise import concretise

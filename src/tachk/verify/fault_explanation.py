@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.job import StoppedError, unhurried
+from tachk.base.records import replace
 from tachk.base.span import NOWHERE, Span
 from tachk.engine.exact.concretise import concretise
 from tachk.meaning.discrete import PreparedNetwork, execute_updates

@@ -6,13 +6,12 @@ No process is frozen: one that is outside the cone of influence of the predicate
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from typing import assert_never
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError, limited, unhurried
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.lower import lower_obligation, lower_recurrence
 from tachk.engine.exact.concretise import discrete_run
 from tachk.engine.lasso import lasso

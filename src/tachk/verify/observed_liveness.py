@@ -8,11 +8,11 @@ leaves an ending, whatever its condition; where only such a run exists, the verd
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import reduce
 
 from tachk.base.job import StoppedError, unhurried
 from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine.options import Engine, Limits, Options
 from tachk.engine.outcome import INTERRUPTED

@@ -8,9 +8,9 @@ need not be reachable; a path to it is a hint (`tachk.verify.reachability.along_
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from tachk.analysis.impossible_edges import without_impossible
+from tachk.base.records import replace
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.options import Options

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import replace
 from enum import StrEnum
 from typing import assert_never
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import QueryKind
 from tachk.model.expressions import Deadlock, Expression, Reference, Variable
 from tachk.model.query import Observer, Query

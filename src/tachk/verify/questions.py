@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
 from tachk.base.diagnostics.suggestion import closest
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Source
 from tachk.frontend.loaded import LoadedModel, elaborate_query_file
 from tachk.frontend.queries.queries import UncheckedQuery

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import unhurried
+from tachk.base.records import replace
 from tachk.engine.core_search import RUN_TIME_ERROR
 from tachk.engine.exact.concretise import concretise
 from tachk.engine.guided_search import explore_along, states_along

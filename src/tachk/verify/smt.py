@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.diagnostics.diagnostic import UnsupportedError
 from tachk.base.job import unhurried
 from tachk.base.optional_packages import optional_packages
+from tachk.base.records import replace
 from tachk.engine.outcome import Outcome
 from tachk.meaning.discrete import prepare
 from tachk.model.run import RunTimeFault

@@ -9,12 +9,11 @@ that nothing does; a search of some states that reaches none proves nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import field, replace
 from typing import Any, assert_never
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError, current_job, limited
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED, STATE_LIMIT, Statistics
 from tachk.meaning.discrete import PreparedNetwork

@@ -9,10 +9,10 @@ exact least time of its path.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tachk.base.job import StoppedError, current_job
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine.exact.concretise import TimeOptimalRun, time_optimal_run
 from tachk.engine.options import Limits, Options, Pace

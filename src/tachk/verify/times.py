@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from time import monotonic
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import limited, unhurried
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import QueryKind
 from tachk.engine.options import Limits, Options
 from tachk.meaning.discrete import prepare

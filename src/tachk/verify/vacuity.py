@@ -10,11 +10,10 @@ the search larger, or could meet an error where the property itself does not: a 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from tachk.analysis.fold import cannot_fail, fold, known_values
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.goal import mentions_time

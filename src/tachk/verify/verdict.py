@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field, replace
 from enum import StrEnum
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.job import unhurried
 from tachk.base.notebook import html_table
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
 from tachk.model.quantity import duration

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import assert_never
 
@@ -18,6 +17,7 @@ from tachk.base.job import (
     remembering_interruption,
     unhurried,
 )
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.options import Engine, Limits, Options

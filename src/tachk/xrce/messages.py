@@ -6,13 +6,12 @@ UDP carries one message a datagram. TCP carries two bytes of length, little-endi
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import field
 from ipaddress import IPv6Address
 from typing import Final
 
 import numpy as np
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.xrce import wire
 from tachk.xrce.datagrams import TCP, Datagrams, Flags
 from tachk.xrce.packets import Numbers, Octets

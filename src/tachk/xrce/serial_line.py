@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import BinaryIO, Final
 
 import numpy as np
 
+from tachk.base.records import replace
 from tachk.xrce.messages import Endpoint, Messages
 from tachk.xrce.packets import CaptureError, is_capture, read_packets
 from tachk.xrce.serial_framing import AGENT_ADDRESS, FrameReader, SerialFrame

@@ -11,9 +11,8 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
-from dataclasses import field
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.engine.options import Limits
 from tachk.engine.outcome import GoalOutcome, Outcome, Statistics, Status
 from tachk.meaning import dbm, symbolic

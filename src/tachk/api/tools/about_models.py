@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from io import StringIO
 from typing import Any
 
@@ -16,6 +15,7 @@ from tachk.base.diagnostics.diagnostic import InputError, Severity, UsageError
 from tachk.base.diagnostics.explanation import CODE, all_explanations, message_text
 from tachk.base.diagnostics.render import render
 from tachk.base.job import unhurried
+from tachk.base.records import replace
 from tachk.recordings.monitors.formulas import NamedFormula, read_formulas
 from tachk.report.check_report import Checked, checks_to_json
 from tachk.report.deep_report import print_deep_check

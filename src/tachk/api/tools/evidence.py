@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from io import BytesIO
 
 from tachk.api.tools.answer import Evidence, EvidenceKind
 from tachk.base.job import StoppedError, current_job
+from tachk.base.records import replace
 from tachk.engine.options import Limits, Options
 from tachk.formats.network_json.digest import digest
 from tachk.meaning.discrete import prepare

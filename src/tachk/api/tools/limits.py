@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.job import current_job, limited
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.options import Limits
 
 _MEGABYTE = 1 << 20

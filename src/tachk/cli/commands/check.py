@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -10,6 +9,7 @@ import click
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity
 from tachk.base.job import StoppedError, limited
+from tachk.base.records import replace
 from tachk.cli import options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst

@@ -6,14 +6,13 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from tachk.base.diagnostics.diagnostic import InputError, TachkError, UsageError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.base.whole_files import write_whole
 from tachk.cli import options

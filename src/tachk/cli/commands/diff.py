@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.plain_data import PlainData
+from tachk.base.records import replace
 from tachk.cli import options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus

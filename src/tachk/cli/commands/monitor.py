@@ -6,7 +6,6 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ import click
 
 from tachk.base.awaited_pipe import AwaitedStream, awaited_pipe
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import replace
 from tachk.base.whole_files import whole_text
 from tachk.cli import options, trace_options
 from tachk.cli.destination import destination

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ import click
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import limited
 from tachk.base.optional_packages import require
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.cli import options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus

@@ -6,7 +6,6 @@ import re
 import sys
 from collections.abc import Iterable
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,7 @@ import click
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import current_job, is_interrupted, limited, under_way
 from tachk.base.plugins import separate_plugin
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.cli import options
 from tachk.cli.destination import destination
 from tachk.cli.exit_status import ExitStatus, worst

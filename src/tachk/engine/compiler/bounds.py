@@ -33,9 +33,8 @@ the same amount in both. A clock that is stopped and not read before its next re
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import field
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 
 ClockBounds = tuple[tuple[int, int], ...]

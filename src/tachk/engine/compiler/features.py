@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, fold, known_values
 from tachk.analysis.intervals import interval
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import COMPARISONS
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.engine.compiler.goal import check_predicate, mentions_time

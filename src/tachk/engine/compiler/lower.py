@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
 from math import gcd
 
 from tachk.analysis.conditions import Conjunction, split_conjunction
@@ -11,7 +10,7 @@ from tachk.analysis.fold import Known, drawn_values, fold, fold_place, is_intege
 from tachk.analysis.never_taken import never_taken
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.base.words import Direction
 from tachk.engine.compiler.assembler import Assembler

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.exact.schedule import (
     PhaseConstraint,
     Requirement,

@@ -14,13 +14,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 from tachk.base.optional_packages import optional_packages
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, bound_value, is_strict
 
 INFINITESIMAL_BITS = 40

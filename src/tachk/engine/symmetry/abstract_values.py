@@ -7,13 +7,13 @@ allows this concrete value. So every transition remains possible, and others may
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import reduce
 from itertools import product
 from math import prod
 
 from tachk.analysis.fold import Known, apply_binary, cannot_fail, fold, fold_place
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.model.connectives import both, conjuncts, negation
 from tachk.model.expressions import (
     BOOL,

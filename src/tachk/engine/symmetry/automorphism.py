@@ -13,10 +13,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Container, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
 
 from tachk.analysis.fold import Known
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.engine.symmetry.index_types import ArrayTree, AsymmetryReason, IndexTypes, Range, RecordTree, Tree, nodes_of
 from tachk.engine.symmetry.predicates import Term, UnorderedJunction, flat, predicate_term
 from tachk.engine.symmetry.renaming import KnownRenamings, Renaming

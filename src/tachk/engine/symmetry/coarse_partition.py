@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Sequence
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, fold, fold_place, known_values
 from tachk.analysis.never_taken import never_taken
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.symmetry.alone import text_alone
 from tachk.engine.symmetry.colour_refinement import Line, numbered, refined
 from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind

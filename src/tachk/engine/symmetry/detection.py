@@ -9,13 +9,12 @@ Processes without transpositions may still have a rotation (`tachk.engine.symmet
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import chain, combinations
 from math import factorial, prod
 
 from tachk.analysis.failures import location_can_fail
 from tachk.analysis.fold import known_values
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.engine.symmetry.automorphism import NetworkTerms, read
 from tachk.engine.symmetry.broadcasts import order_matters

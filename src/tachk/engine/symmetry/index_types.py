@@ -9,9 +9,7 @@ here nothing has to be declared.
 
 from __future__ import annotations
 
-from dataclasses import field
-
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 from tachk.model.types import (
     ArrayType,

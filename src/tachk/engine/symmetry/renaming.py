@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import field
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.engine.symmetry.index_types import AsymmetryReason, IndexTypes
 from tachk.engine.symmetry.terms import ProcessNumber
 from tachk.engine.symmetry.unit_texts import Atom

@@ -9,10 +9,9 @@ state is reachable (Emerson, Sistla, Symmetry and model checking, FMSD 9, 1996).
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.symmetry.automorphism import NetworkTerms
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.detection import find_symmetry

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
 from tachk.engine.symmetry.automorphism import NetworkTerms, slot_images

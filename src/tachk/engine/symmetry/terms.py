@@ -5,13 +5,12 @@ While an expression is read, it is noted which of its numbers are of one type (`
 
 from __future__ import annotations
 
-from dataclasses import field
 from typing import NamedTuple, assert_never
 
 from tachk.analysis.failures import can_fail
 from tachk.analysis.fold import Known, fold, fold_place
 from tachk.base.operators import COMPARISONS, BinaryOperator, OperandGroup, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.engine.symmetry.index_types import ArrayTree, IndexTypes, Range, RecordTree, Tree
 from tachk.model.expressions import (
     Aggregate,

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import field
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.engine.symmetry.index_types import IndexTypes
 from tachk.engine.symmetry.terms import IndexValue, ProcessNumber, Token

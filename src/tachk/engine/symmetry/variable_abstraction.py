@@ -10,11 +10,10 @@ abstraction, TOPLAS 16(5), 1994). It is kept only if it yields more interchangea
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, known_values, network_expressions
 from tachk.base.operators import BinaryOperator, OperandGroup
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.engine.symmetry.abstract_values import IsName, NotAbstractableError, PassedNames, uses
 from tachk.engine.symmetry.process_numbers import most_alike, numbers_of_processes

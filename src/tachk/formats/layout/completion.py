@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.formats.layout.placement.additions import with_additions
 from tachk.formats.layout.placement.template import place_template
 from tachk.syntax import ast

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import field
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Source
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.syntax import ast

@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import (
@@ -15,6 +14,7 @@ from tachk.base.diagnostics.diagnostic import (
     TachkError,
     by_place,
 )
+from tachk.base.records import replace
 from tachk.base.span import Source
 from tachk.formats.loading.imports import Importer
 from tachk.frontend.context import Budget, Context

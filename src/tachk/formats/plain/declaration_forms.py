@@ -10,10 +10,10 @@ there. Source: ``Statement::returns``, ``ExpressionBuilder::type_string``, ``Sta
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError
+from tachk.base.records import replace
 from tachk.formats.plain.plain_model import PlainModel, PlainRewriting
 from tachk.syntax import ast
 from tachk.syntax.rewrite import fresh_name, names_in, rewrite

@@ -6,11 +6,11 @@ docs/uppaal.md lists them. The result has the same network: the same locations, 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, UnsupportedError, UsageError
+from tachk.base.records import replace
 from tachk.base.span import NOWHERE
 from tachk.formats.plain.clock_conditions import with_plain_conditions
 from tachk.formats.plain.declaration_forms import with_plain_declarations

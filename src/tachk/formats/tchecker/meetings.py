@@ -9,12 +9,11 @@ each choice of edges, one of each process.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import reduce
 from itertools import product
 
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.syntax import ast
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, TypeVar
 
+from tachk.base.records import replace
 from tachk.formats.exported import Exported, Writing
 from tachk.formats.layout_json import read_layout_beside
 from tachk.formats.plain.expansion import expand

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import field, replace
 
 from tachk.base.operators import CONSTANT_HIGH
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.functions import declare_function, declare_types
 from tachk.frontend.dropped import (

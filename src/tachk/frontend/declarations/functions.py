@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import assert_never
 
+from tachk.base.records import replace
 from tachk.frontend.context import Context
 from tachk.frontend.dropped import checked_part_of_update, declare_dropped_function
 from tachk.frontend.expressions.initialisers import initialiser

@@ -7,8 +7,8 @@ done first, and the place is used then.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.model.expressions import Comma, Expression, Field, Index

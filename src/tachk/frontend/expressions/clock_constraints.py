@@ -8,10 +8,8 @@ conditional expressions and quantifiers over clock comparisons are rewritten int
 
 from __future__ import annotations
 
-from dataclasses import field
-
 from tachk.base.operators import BinaryOperator, UnaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions import folded_expressions as fold

@@ -7,9 +7,9 @@ only if, it is evaluated.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.model.evaluate import Environment, evaluate
 from tachk.model.expressions import (

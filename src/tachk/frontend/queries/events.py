@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.records import replace
 from tachk.base.span import Source
 from tachk.base.words import Direction
 from tachk.frontend.context import Context

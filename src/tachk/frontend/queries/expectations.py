@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import constant_integer

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 
 from tachk.base.operators import UnaryOperator
+from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable

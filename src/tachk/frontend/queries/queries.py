@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import TypeGuard
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import QueryKind
 from tachk.frontend.context import Context

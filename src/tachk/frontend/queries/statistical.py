@@ -8,13 +8,13 @@ with a number or with another one;
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.frontend.context import Context

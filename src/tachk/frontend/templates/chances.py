@@ -5,9 +5,8 @@ Whatever is wrong with one is kept in its place: a search does not need it, and 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.records import replace
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import describe, is_integral

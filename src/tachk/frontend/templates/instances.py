@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import field, replace
 from itertools import islice
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.base.span import NOWHERE, Span
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable

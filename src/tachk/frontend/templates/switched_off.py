@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.frontend.context import Context
 from tachk.frontend.expressions.typed_expressions import condition
 from tachk.frontend.expressions.typing import is_integral

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from tachk.base.diagnostics.suggestion import did_you_mean
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.frontend.context import Context
 from tachk.frontend.declarations.channels import ChannelTable

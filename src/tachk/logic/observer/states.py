@@ -9,10 +9,9 @@ Clocks are handed out to the items of a state; those that begin at the same inst
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.logic.observer.conditions import Conjunction, truth
 from tachk.logic.observer.goals import (
     Everywhere,

@@ -7,9 +7,9 @@ Nickovic and Pnueli (2005).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from fractions import Fraction
 
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.logic.observer.conditions import all_of, any_of, negated, truth
 from tachk.logic.observer.everywhere import is_possible, ways_of

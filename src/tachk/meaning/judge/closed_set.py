@@ -18,10 +18,9 @@ found does not matter. All are looked at together, without extrapolation, and no
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
+from tachk.base.records import replace
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
 from tachk.meaning.discrete import PreparedNetwork, initial_discrete
 from tachk.meaning.judge import zone_arrays

@@ -12,13 +12,13 @@ contains both.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.job import check_job
+from tachk.base.records import replace
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO
 from tachk.meaning.judge.certificate import Columns, Numbers, Shapes, StateBlock, ragged, starts
 from tachk.meaning.judge.zone_arrays import canonical

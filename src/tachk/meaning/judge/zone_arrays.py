@@ -8,14 +8,13 @@ the zone that it comes from, in ascending order.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, ClockValues, Constraint
 from tachk.meaning.judge.certificate import Numbers
 

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator
-from dataclasses import replace
 from itertools import accumulate
 from typing import NamedTuple
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.expressions import Constant, Expression, Index, LocationTest, Reference, Variable
 from tachk.model.network import Network, Process

@@ -8,14 +8,13 @@ runs of all parts that are apart are a run of the whole. Where neither says yes 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from itertools import accumulate
 from math import ceil, lcm
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import StoppedError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.lower import MeasuredExpression, lower, lower_measures
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.exact.concretise import concretise

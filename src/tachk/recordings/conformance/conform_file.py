@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
 from tachk.base.job import StoppedError, limited
+from tachk.base.records import replace
 from tachk.base.time_units import SPELLINGS, length_of
 from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel

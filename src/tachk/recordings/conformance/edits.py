@@ -8,11 +8,10 @@ arrives as one like it, or is lost.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
 from tachk.base.exact_numbers import is_whole
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.rejection import PossibleEvent
 

@@ -11,14 +11,13 @@ units of the model.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from itertools import accumulate, product
 from math import floor, lcm
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.time_units import length_of
 from tachk.base.words import Direction
 from tachk.frontend.expressions.folded_expressions import substitute

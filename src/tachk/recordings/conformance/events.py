@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 
 Cell = int | str
 """A number, or the name of a constant of the model; ``true`` and ``false`` are 1 and 0."""

@@ -7,9 +7,9 @@ each edge of a process whose locations a column tests also sets a variable, whic
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.model.expressions import (
     BOOL,
     Assign,

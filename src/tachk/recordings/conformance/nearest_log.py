@@ -9,10 +9,9 @@ recording is a run with it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import INTERRUPTED, Status

@@ -7,11 +7,10 @@ event that it could do is enabled, whether it was recorded or not, with the time
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from math import isqrt
 
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.compiler.program import Program
 from tachk.engine.exact.concretise import discrete_run
 from tachk.engine.exact.exact_run import end_of_path

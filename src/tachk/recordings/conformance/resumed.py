@@ -9,8 +9,8 @@ are the runs from the state on, and nothing but a network is needed to have them
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
+from tachk.base.records import replace
 from tachk.base.words import Direction
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Zone, bound_value, is_strict
 from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term

@@ -12,11 +12,10 @@ The runs of this network that reach the end are the runs of the model that the r
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable, VariableKind

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.recordings.monitors.compiler import columns_read
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.syntax import ast

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UsageError
+from tachk.base.records import replace
 from tachk.recordings.monitors.column_kinds import read_columns
 from tachk.recordings.monitors.compiler import compile as compile_formula
 from tachk.recordings.monitors.compiler import ticks_needed

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.operators import BinaryOperator
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.recordings.monitors.compiler import COLUMN_NAMES, column_name, columns_read
 from tachk.recordings.monitors.formulas import NamedFormula, literal

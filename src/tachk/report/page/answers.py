@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
+from tachk.base.records import replace
 from tachk.model.quantity import decimal, duration
 from tachk.report.drawing.sequence.layout import lay_out
 from tachk.report.drawing.sequence.sequence_svg import draw_chart

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.model.quantity import duration, ranges
 from tachk.report.drawing.sequence.chart import (
     Category,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 from typing import Final
 
+from tachk.base.records import replace
 from tachk.report.drawing.sequence.chart import Chart, Event, Message, Note, begun
 from tachk.report.drawing.sequence.layout import decimal
 

@@ -8,13 +8,12 @@ sender has written. The process receives what the part sends, and keeps the payl
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, fold_place, known_values
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.operators import BinaryOperator
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.model.expressions import (
     BOOL,

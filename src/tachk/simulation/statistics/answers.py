@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import field, replace
 from math import isnan
 from time import process_time
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, limited, note_interruption
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.simulation.simulator import SimulationEnding

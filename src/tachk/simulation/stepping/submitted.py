@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
 from fractions import Fraction
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Span
 from tachk.base.words import Direction
 

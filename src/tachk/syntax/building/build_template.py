@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind

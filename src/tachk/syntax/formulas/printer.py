@@ -8,12 +8,12 @@ inside an ``Or`` (the text is flat), no `Atom` has a connective outermost, and e
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 from tachk.base.operators import CONNECTIVES
+from tachk.base.records import replace
 from tachk.syntax import ast
 from tachk.syntax.formula import (
     Always,

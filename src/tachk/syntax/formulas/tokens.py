@@ -6,9 +6,9 @@ S`` where an operand has ended. So ``S == 3`` and ``P.F`` name what they name. A
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
+from tachk.base.records import replace
 from tachk.syntax.parsing.tokens import END, Token
 
 PREFIX = frozenset("FGOH")

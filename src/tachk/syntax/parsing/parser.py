@@ -8,11 +8,11 @@ whether anything else is worth reporting first.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Severity
+from tachk.base.records import replace
 from tachk.base.span import Source, Span
 from tachk.syntax import ast
 from tachk.syntax.parsing.contextual import resolve_document, resolve_fragment, resolve_query

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import field
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.exact_numbers import is_huge
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field
 from tachk.base.span import Source, Span
 from tachk.syntax.ast import Comment
 from tachk.syntax.parsing.grammar import Terminal

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from typing import Any, TypeVar, assert_never
 
+from tachk.base.records import replace
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind, edge_clauses
 from tachk.syntax.printing.comment_placement import place_comments

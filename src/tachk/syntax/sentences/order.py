@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
+from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.syntax.sentences import tree as s
 from tachk.syntax.sentences.build import Mark

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
 from hashlib import sha256
 from time import monotonic
 from typing import TYPE_CHECKING, assert_never
 
 from tachk.base.diagnostics.diagnostic import InputError, Severity, UnsupportedError, UsageError
 from tachk.base.job import StoppedError, limited
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, field, replace
 from tachk.engine.options import Limits, Options
 from tachk.frontend.findings import DiagnosticCollector
 from tachk.frontend.loaded import LoadedModel, with_constants, with_hybrid_clocks

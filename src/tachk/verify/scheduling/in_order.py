@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from time import monotonic
 
 from tachk.base.job import answering, current_job
+from tachk.base.records import replace
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.verify.plan import Search

@@ -9,7 +9,6 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -18,7 +17,7 @@ from types import FrameType
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import current_job, followed, note_interruption
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.options import Limits
 from tachk.engine.outcome import INTERRUPTED, Statistics
 from tachk.verify.plan import Search

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 from tachk.analysis.fold import Known, known_values
 from tachk.analysis.recurrent_edges import all_runs_end, lasting_edges
 from tachk.base.diagnostics.diagnostic import Diagnostic, InternalError, UnsupportedError
 from tachk.base.job import StoppedError, limited, unhurried
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
 from tachk.engine.compiler.lower import lower

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.frames import data_frame
 from tachk.base.notebook import folded, html_table
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
 from tachk.xrce.measuring.conversation import Beat, Conversation, SentMessage, conversations
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from math import hypot
 
 from tachk.base.job import check_job
+from tachk.base.records import replace
 from tachk.formats.layout.label_text import (
     Size,
     edge_labels,

@@ -7,11 +7,11 @@ is drawn anew where that leaves everything free of overlaps and adds no crossing
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from math import hypot
 
 from tachk.base.job import check_job
+from tachk.base.records import replace
 from tachk.formats.layout.label_text import Size
 from tachk.formats.layout.placement.geometry import Box, node_box, segment_meets_box
 from tachk.formats.layout.placement.routing import crossings, shortened, spread

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import pairwise
 from math import hypot
 
 from tachk.base.job import check_job
+from tachk.base.records import replace
 from tachk.formats.layout.placement.geometry import (
     RADIUS,
     Box,

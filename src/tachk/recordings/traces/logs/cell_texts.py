@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import replace
 from tachk.recordings.traces.trace import Trace, later_beginning
 
 _MISSING: Final = ("", "nan", "-nan", "na", "null")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import replace
 from tachk.recordings.traces.trace import Trace, Values
 
 

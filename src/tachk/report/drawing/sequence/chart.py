@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from enum import StrEnum
 from fractions import Fraction
 from typing import NamedTuple
 
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 
 
 class Category(StrEnum):
