@@ -11,19 +11,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
 from tachk.base.records import dataclass, replace
-from tachk.engine import local_times
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import MeasuredSearch, core_limits, core_options, run_in_slices
 from tachk.engine.options import Limits, LocalTimes, Options, SearchOrder
 from tachk.engine.program_image import encode
-from tachk.engine.simulated_runs import SimulatedRuns
 from tachk.transform.transformation import Exactness
 
-GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
+if TYPE_CHECKING:
+    from tachk.engine.simulated_runs import SimulatedRuns
+
+    GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
 
 _STEP = 256
 _EARLY, _LARGE_ZONE = 500, 10_000
@@ -110,7 +112,7 @@ class SearchStrategy:
     def run(self, search: _core.Explorer | SimulatedRuns) -> tuple[_core.Status, str]:
         """Runs the search within its budget: its last status, and why that is not FINISHED."""
         begun = time.perf_counter()
-        if isinstance(search, SimulatedRuns):
+        if not isinstance(search, _core.Explorer):
             return run_in_slices(search.budgeted(self.work or 0), begun)
         if self.work is not None:
             return run_in_slices(BudgetedSearch(search, effort=search.effort() + self.work), begun)
@@ -185,6 +187,8 @@ def _begin_of_local_times(problem: SearchProblem) -> int:
 
 
 def _over_local_times(problem: SearchProblem) -> _core.LocalExplorer | None:
+    from tachk.engine import local_times
+
     return local_times.begin(problem.program, problem.goals, problem.ordinary, problem.options, problem.limits)
 
 
@@ -225,6 +229,8 @@ def _simulated(problem: SearchProblem) -> SimulatedRuns | None:
         return None
     if any(goal.asks_deadlock or not goal.disjuncts for goal in problem.goals if goal.decides):
         return None
+    from tachk.engine.simulated_runs import SimulatedRuns
+
     return SimulatedRuns(problem.program, problem.goals)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
@@ -21,13 +22,14 @@ from tachk.engine.core_search import (
     transitions_of,
     user_seconds,
 )
-from tachk.engine.exact.exact_run import exact_run
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, FoundPath, GoalOutcome, Outcome, Statistics, Status
-from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, GoalSearch, SearchProblem, SearchStrategy
+from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, SearchProblem, SearchStrategy
 from tachk.engine.program_image import encode
 from tachk.engine.reduced_statistics import with_orbits
-from tachk.engine.simulated_runs import SimulatedRuns
+
+if TYPE_CHECKING:
+    from tachk.engine.portfolio import GoalSearch
 
 
 def explore(
@@ -239,7 +241,7 @@ def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended
 def _doubtful(program: Program, goals: Sequence[Goal], options: Options, search: GoalSearch) -> list[int]:
     """The goals that a search has reached, maybe only seemingly: those that a replay does not confirm."""
     everybody = replace(program, interchangeable=())
-    if isinstance(search, SimulatedRuns):
+    if not isinstance(search, _core.Explorer | _core.LocalExplorer):
         found = [number for number, _ in enumerate(goals) if search.reached(number) is not None]
         return [n for n in found if not _is_run(everybody, goals, options, search.path_to_goal(n), n)]
     if options.extrapolation.keeps_deadlocks or isinstance(search, _core.LocalExplorer):
@@ -256,6 +258,8 @@ def _is_run(
     program: Program, goals: Sequence[Goal], options: Options, actions: Sequence[Sequence[int]], goal: int
 ) -> bool:
     """True if the judge of runs accepts the path with its earliest times; where it knows no rule, if zones do."""
+    from tachk.engine.exact.exact_run import exact_run
+
     times, _ = exact_run(program, goals[goal], actions)
     return times is not None or leads_to(program, goals, options, actions, goal)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
@@ -15,7 +16,6 @@ from tachk.frontend.declarations.channels import ChannelTable
 from tachk.frontend.declarations.declarations import Declared, declare, set_channel_priorities
 from tachk.frontend.dropped_fields import lasting_structs
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_each, elaborate_properties, elaborate_signals
-from tachk.frontend.recordings import channels_of, elaborate_recording
 from tachk.frontend.scope import Scope, TemplateSymbol
 from tachk.frontend.templates.instances import Instances
 from tachk.frontend.templates.templates import warn_unreachable
@@ -23,9 +23,11 @@ from tachk.model.expressions import Binary, Constant, Expression
 from tachk.model.metas import keep_lasting
 from tachk.model.network import Edge, Network, Process
 from tachk.model.query import Query
-from tachk.model.recording import RecordingMap
 from tachk.model.types import ClockType
 from tachk.syntax import ast
+
+if TYPE_CHECKING:
+    from tachk.model.recording import RecordingMap
 
 _BELOW = (BinaryOperator.LESS, BinaryOperator.LESS_EQUAL, BinaryOperator.EQUAL)
 _ABOVE = (BinaryOperator.GREATER, BinaryOperator.GREATER_EQUAL, BinaryOperator.EQUAL)
@@ -151,14 +153,14 @@ def elaborate(
     instances.check_unused()
     channels.check_values(context)
     if not context.findings.has_errors:
-        channels.check_partners(context, channels_of(items))
+        channels.check_partners(context, _recorded_channels(items))
     scope = Scope(globals_, "the processes", dict(instances.symbols))
     signals = elaborate_signals((i for i in items if isinstance(i, ast.SignalDeclaration)), scope, context)
     context.time_unit = _time_unit(items, context)
     # Without a system line no process has a name that a property could mention.
     properties = (i for i in items if isinstance(i, ast.PropertyDeclaration) and line is not None)
     queries, unchecked = elaborate_properties(properties, scope, context)
-    recording = elaborate_recording(items, instances.processes, scope, context)
+    recording = _recording(items, instances.processes, scope, context)
     network = Network(
         tuple(instances.processes),
         (*declared.variables, *channels.hidden_variables()),
@@ -174,6 +176,30 @@ def elaborate(
     if not context.findings.has_errors:
         warn_of_impossible_edges(network, context)
     return Elaborated(network, queries, unchecked, scope, context, recording)
+
+
+def _has_recording(items: Iterable[ast.Item]) -> bool:
+    return any(isinstance(item, ast.RecordingDeclaration) for item in items)
+
+
+def _recorded_channels(items: Sequence[ast.Item]) -> frozenset[str]:
+    """The channels on which the recording of a model takes part."""
+    if not _has_recording(items):
+        return frozenset()
+    from tachk.frontend.recordings import channels_of  # of no use to most models
+
+    return channels_of(items)
+
+
+def _recording(
+    items: Sequence[ast.Item], processes: Sequence[Process], scope: Scope, context: Context
+) -> RecordingMap | None:
+    """The recording of a model; None if it has none, or where it is wrong."""
+    if not _has_recording(items):
+        return None
+    from tachk.frontend.recordings import elaborate_recording
+
+    return elaborate_recording(items, processes, scope, context)
 
 
 def elaborate_each_property(

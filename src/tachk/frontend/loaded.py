@@ -11,8 +11,6 @@ from tachk.base.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.hybrid_clocks import hybrid_clocks
-from tachk.frontend.open_constants import OpenConstants
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.priority_interpretations import other_interpretations
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_entries
@@ -23,7 +21,6 @@ from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
 from tachk.syntax import ast
 from tachk.syntax.picture_layout import Layout
-from tachk.syntax.query_files import parse_each_query
 
 if TYPE_CHECKING:
     from tachk.syntax.formula import Formula
@@ -129,6 +126,8 @@ def with_constants(
         InputError: the model is wrong with these values.
         UsageError: there is no such constant.
     """
+    from tachk.frontend.open_constants import OpenConstants
+
     findings = DiagnosticCollector()
     given = constant_overrides(values, loaded.items, findings)
     items = [
@@ -160,6 +159,8 @@ def with_hybrid_clocks(loaded: LoadedModel, names: Collection[str]) -> LoadedMod
 
     Raises InputError where the model is wrong then.
     """
+    from tachk.frontend.hybrid_clocks import hybrid_clocks
+
     findings = DiagnosticCollector()
     hybrid = hybrid_clocks(loaded.items, names)
     context = Context(findings, budget=Budget(INSTANCES), keeps_doubles=True, hybrid_clocks=hybrid)
@@ -194,6 +195,8 @@ def elaborate_query_file(
     Args:
         first: the number of the first query.
     """
+    from tachk.syntax.query_files import parse_each_query
+
     known = loaded.context
     own = replace(known, findings=DiagnosticCollector(), in_query=False, scalar_sets=0, budget=Budget(INSTANCES))
     queries, unchecked = elaborate_entries(parse_each_query(source), loaded.scope, own, first)

@@ -35,10 +35,8 @@ from tachk.syntax import ast
 def elaborate_recording(
     items: Iterable[ast.Item], processes: Sequence[Process], scope: Scope, context: Context
 ) -> RecordingMap | None:
-    """The recording of a model; None if it has none, or where it is wrong."""
+    """The recording of a model that has one; None where it is wrong."""
     found = [item for item in items if isinstance(item, ast.RecordingDeclaration)]
-    if not found:
-        return None
     for other in found[1:]:
         label = Label(found[0].span, "the first one")
         context.findings.add("E0450", other.span, "a second `recording`", "join the two", (label,))

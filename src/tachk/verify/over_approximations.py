@@ -2,7 +2,7 @@
 
 Existential abstraction (Clarke, Grumberg, Long, Model checking and abstraction, TOPLAS 16(5), 1994), of processes that
 only block others, of variables that distinguish processes, and of which process a target names. What is reached there
-need not be reachable; a path to it is a hint (`tachk.verify.reachability.along_path`).
+need not be reachable; a path to it is a hint (`tachk.verify.along_path`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from tachk.model.network import Network
 from tachk.model.remembered import by_network
 from tachk.transform.blocking_processes import without_blocking
 from tachk.transform.cone_of_influence import cone_of_influence
-from tachk.transform.monotone_counters import monotone_counters
 from tachk.transform.transformation import Transformation, unchanged
 from tachk.verify.plan import Task
 from tachk.verify.strategy import Findings, OverApproximation, Problem, ReachedInAbstraction
@@ -48,6 +47,8 @@ def unblocked(problem: Problem) -> Findings:
         rest = without_blocking(possible, mentioned)
         if rest.network is possible:
             return None
+        from tachk.transform.monotone_counters import monotone_counters
+
         spared = monotone_counters(possible, mentioned)
         left_out = unexamined(possible, rest.network)
         return OverApproximation(rest.network, targets, conditions, unexamined=left_out, spared=spared)

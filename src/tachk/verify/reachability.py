@@ -9,24 +9,22 @@ from tachk.base.job import unhurried
 from tachk.base.records import replace
 from tachk.engine.core_search import RUN_TIME_ERROR
 from tachk.engine.exact.concretise import concretise
-from tachk.engine.guided_search import explore_along, states_along
 from tachk.engine.options import SearchOrder
-from tachk.engine.outcome import INTERRUPTED, GoalOutcome, Outcome, Status
+from tachk.engine.outcome import GoalOutcome, Outcome, Status
 from tachk.engine.zone import explore
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.expressions import Expression
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
-from tachk.transform.guided import guided
 from tachk.transform.observed import ObservedNetwork
 from tachk.transform.transformation import Transformation
 from tachk.verify.fault_explanation import explain
 from tachk.verify.over_approximations import can_be_abstracted, can_be_symmetrised, lowered, reduced_for
 from tachk.verify.plan import Task
-from tachk.verify.strategy import Findings, Problem, ReachedInAbstraction
+from tachk.verify.strategy import Findings, Problem
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
-from tachk.verify.verdict import Answer, Verdict, answers_of, none_begun
+from tachk.verify.verdict import Answer, Verdict, answers_of
 
 
 def equal_parts(problem: Problem) -> Iterator[Problem]:
@@ -63,35 +61,6 @@ def depth_first(problem: Problem) -> Findings:
     if options.order is not SearchOrder.AUTO or options.shortest or not can_be_abstracted(problem):
         return Findings({})
     return explored(replace(problem, options=replace(options, order=SearchOrder.DFS)))
-
-
-def along_path(problem: Problem) -> Findings:
-    """Searches along the paths that an over-approximation has found."""
-    verdicts: dict[int, Verdict] = {}
-    for task in problem.tasks:
-        if task.number in problem.reached:
-            verdicts |= _along(problem, task, problem.reached[task.number])
-    return Findings(verdicts)
-
-
-def _along(problem: Problem, task: Task, found: ReachedInAbstraction) -> dict[int, Verdict]:
-    """The verdict about a target that is reached in an over-approximation, if it is reached in the same way without."""
-    model, options = problem.model, problem.options
-    members = {number for number, process in enumerate(found.within.network.processes) if process.edges}
-    reduced = reduced_for(model.network, [task.target], options)
-    network = reduced.network
-    if any(not network.processes[number].edges for number in members):
-        return {}
-    along = guided(network, found.path, members, found.within.spared)
-    bounded = problem.limits.of_states(states_along(found.path, found.statistics.states_stored))
-    outcome = explore_along(along, network, task.target, options, bounded)
-    outcome = replace(outcome, statistics=found.statistics.then(outcome.statistics))
-    if outcome.reason == INTERRUPTED:
-        return none_begun([task], INTERRUPTED)
-    if outcome.goals[0].status is not Status.REACHED:
-        return {}
-    verdict = verdict_of(problem.observed, reduced, task, outcome.goals[0], outcome, problem.trace)
-    return {} if verdict is None else {task.number: verdict}
 
 
 def _explored(problem: Problem) -> dict[int, Verdict]:

@@ -44,8 +44,6 @@ def time_optimal(
     limits: Limits,
 ) -> dict[int, Verdict]:
     """Verdicts with the fastest or slowest runs, as the options say, and a note about their times."""
-    if options.pace is Pace.EARLY:
-        return found
     watched = observed(model.network, search.observer)
     whole = prepare(watched.network)
     result = dict(found)
@@ -67,8 +65,6 @@ def time_optimal(
 
 def without_optimum(found: dict[int, Verdict], options: Options) -> dict[int, Verdict]:
     """Verdicts whose runs go on for ever or belong to values, so that none is the fastest."""
-    if options.pace is Pace.EARLY:
-        return found
     note = f"the run is the one that was found: there is no {options.pace.value} one for such a query"
     return {n: v if v.trace is None else replace(v, notes=(*v.notes, note)) for n, v in found.items()}
 

@@ -20,7 +20,7 @@ from tachk.base.job import (
 from tachk.base.records import replace
 from tachk.base.words import QueryKind
 from tachk.engine.compiler.features import check_supported
-from tachk.engine.options import Engine, Limits, Options
+from tachk.engine.options import Engine, Limits, Options, Pace
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.initial_state import check_initial_state
@@ -29,7 +29,6 @@ from tachk.model.query import Query
 from tachk.model.selections import check_selections
 from tachk.transform.cone_of_influence import every_action_counts
 from tachk.transform.observed import check_observable
-from tachk.verify import time_optimal
 from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, analysis_of, plan
 from tachk.verify.scheduling.in_order import Shares, in_order, processes
@@ -174,11 +173,15 @@ def _analysed(
     model: PreparedNetwork, search: Search, options: Options, limits: Limits, trace: bool
 ) -> dict[int, Verdict]:
     found = _deciding(search)(model, search, options, limits, trace)
-    if search.analysis is Analysis.REACHABILITY:
-        return time_optimal.time_optimal(model, search, found, options, limits)
-    if options.engine is Engine.BOTH:
+    if options.engine is Engine.BOTH and search.analysis is not Analysis.REACHABILITY:
         found = {number: verdict.noted(_UNCOMPARED) for number, verdict in found.items()}
-    return time_optimal.without_optimum(found, options)
+    if options.pace is Pace.EARLY:
+        return found
+    from tachk.verify.time_optimal import time_optimal, without_optimum
+
+    if search.analysis is Analysis.REACHABILITY:
+        return time_optimal(model, search, found, options, limits)
+    return without_optimum(found, options)
 
 
 _UNCOMPARED = "only the zone engine has answered: the engine smt answers E<> and A[]"

@@ -14,7 +14,6 @@ from collections.abc import Hashable, Iterable, Iterator, Sequence
 from tachk.analysis.fold import Known, fold, fold_place, known_values
 from tachk.analysis.never_taken import never_taken
 from tachk.base.records import dataclass, replace
-from tachk.engine.symmetry.alone import text_alone
 from tachk.engine.symmetry.colour_refinement import Line, numbered, refined
 from tachk.model.expressions import Call, Constant, Expression, Function, Index, Reference, Variable, VariableKind
 from tachk.model.network import Edge, Location, Network, Process
@@ -82,6 +81,8 @@ def _divided(network: Network, partition: CoarsePartition) -> CoarsePartition:
     """The partition refined by the text of each process on its own, where the first two of a colour differ in it."""
 
     def alone(number: int) -> Hashable:
+        from tachk.engine.symmetry.alone import text_alone  # of no use where all processes differ
+
         return text_alone(network.processes[number], partition.edges_taken(network, number), partition.known)
 
     members: dict[int, list[int]] = {}

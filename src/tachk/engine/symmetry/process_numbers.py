@@ -7,7 +7,6 @@ from collections.abc import Hashable
 from itertools import chain
 from operator import itemgetter
 
-from tachk.engine.symmetry.alone import numbers_alone
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.model.network import Network, Process
 
@@ -23,6 +22,8 @@ def numbers_of_processes(network: Network, fewest: int = 2) -> set[frozenset[int
     Args:
         fewest: the least number of processes of a set.
     """
+    from tachk.engine.symmetry.alone import numbers_alone
+
     index_types = _equal_shapes(network)
     partition = coarse_partition(network)
     ranks: dict[Hashable, int] = {}

@@ -15,7 +15,6 @@ from tachk.analysis.fold import Known, known_values, network_expressions
 from tachk.base.operators import BinaryOperator, OperandGroup
 from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
-from tachk.engine.symmetry.abstract_values import IsName, NotAbstractableError, PassedNames, uses
 from tachk.engine.symmetry.process_numbers import most_alike, numbers_of_processes
 from tachk.model.expressions import Assign, Binary, Expression, Increment, Reference, Variable, VariableKind
 from tachk.model.network import Network
@@ -126,6 +125,8 @@ def _counting(network: Network) -> list[Variable]:
 
 def _abstracted(network: Network, variable: Variable, names: range, known: Known) -> Network | None:
     """The network with the most precise abstraction of the variable that is possible; None if there is none."""
+    from tachk.engine.symmetry.abstract_values import IsName, NotAbstractableError, PassedNames
+
     if not _is_used_by_one_edge_at_a_time(network, variable):
         return None
     for abstraction_class in (PassedNames, IsName):
@@ -149,6 +150,8 @@ def _abstracted(network: Network, variable: Variable, names: range, known: Known
 def _is_used_by_one_edge_at_a_time(network: Network, variable: Variable) -> bool:
     """True if no two edges that are taken together depend on the variable, and no urgent or receiving broadcast edge
     does."""
+    from tachk.engine.symmetry.abstract_values import uses
+
     sends: set[Variable] = set()
     receives: set[Variable] = set()
     for process in network.processes:

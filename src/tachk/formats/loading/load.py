@@ -20,13 +20,11 @@ from tachk.formats.loading.imports import Importer
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.hybrid_clocks import hybrid_clocks, urgent_guards
 from tachk.frontend.loaded import INSTANCES, LoadedModel, explained
 from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.queries.expectations import with_expectations
 from tachk.frontend.queries.queries import wrong_query
 from tachk.syntax import ast
-from tachk.syntax.parsing.strict import additions
 from tachk.syntax.source_files import is_xml, read_source
 
 if TYPE_CHECKING:
@@ -128,15 +126,18 @@ def load_model(
 
 
 def _context(items: Sequence[ast.Item], findings: DiagnosticCollector, keeps_doubles: bool) -> Context:
-    used = hybrid_clocks(items) if keeps_doubles else frozenset()
-    for guard in urgent_guards(items) if keeps_doubles else ():
+    if not keeps_doubles:
+        return Context(findings, budget=Budget(INSTANCES))
+    from tachk.frontend.hybrid_clocks import hybrid_clocks, urgent_guards
+
+    for guard in urgent_guards(items):
         findings.add(
             "W0403",
             guard.span,
             "a clock guard on an urgent channel",
             "UPPAAL warns of it, too; a simulation takes the edge as soon as the guard holds, a search refuses it",
         )
-    return Context(findings, budget=Budget(INSTANCES), keeps_doubles=keeps_doubles, hybrid_clocks=used)
+    return Context(findings, budget=Budget(INSTANCES), keeps_doubles=True, hybrid_clocks=hybrid_clocks(items))
 
 
 def _charts_beside(source: Source, items: Sequence[ast.Item]) -> frozenset[str]:
@@ -200,6 +201,8 @@ def _load_xml(
     findings = DiagnosticCollector()
     findings.extend(read.diagnostics)
     if strict_xta:
+        from tachk.syntax.parsing.strict import additions
+
         # Properties are how a query of UPPAAL's file is held.
         plain = tuple(item for item in read.document.items if not isinstance(item, ast.PropertyDeclaration))
         findings.extend(additions(replace(read.document, items=plain)))

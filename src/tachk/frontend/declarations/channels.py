@@ -10,7 +10,6 @@ from tachk.frontend.expressions.typing import describe, is_integral, same_shape
 from tachk.model.expressions import INT, Expression, Index, Reference, Variable, VariableKind
 from tachk.model.types import ArrayType, ChannelType, RecordType, ScalarType, Type, element_type
 from tachk.model.variable_layout import default_values
-from tachk.syntax.rewrite import fresh_name
 
 
 @dataclass(slots=True)
@@ -72,6 +71,8 @@ class ChannelTable:
     def value_place(self, channel: Expression, type_: Type, span: Span, context: Context) -> Expression | None:
         """The place that carries a value of the given type over a channel: a hidden variable, ``c_value`` where that
         name is free, indexed as the channel is."""
+        from tachk.syntax.rewrite import fresh_name
+
         variable = channel_variable(channel)
         if variable is None:
             context.error("E0402", span, "values can only be passed over a channel that is named directly")

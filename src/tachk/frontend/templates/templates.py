@@ -18,7 +18,6 @@ from tachk.frontend.expressions.typing import can_assign, describe
 from tachk.frontend.scope import BrokenSymbol, LocationSymbol, Scope, Symbol, ValueSymbol
 from tachk.frontend.templates.chances import chance, rate
 from tachk.frontend.templates.rates import invariant_parts
-from tachk.frontend.templates.switched_off import switched_off
 from tachk.model.expressions import Assign, Expression, Reference, Variable, VariableKind
 from tachk.model.network import Branching, Edge, Location, Process, Synchronisation
 from tachk.model.traversal import compares_clocks
@@ -183,6 +182,8 @@ class Body:
             guard = self._guard(node.guard, inner)
         synchronisation, first = None, None
         if node.synchronisation is not None:
+            from tachk.frontend.templates.switched_off import switched_off
+
             is_off = switched_off(node.guard, guard, inner, self.context)
             synchronisation, first = self._synchronisation(node.synchronisation, inner, is_off)
             self._urgent_guard(synchronisation, guard)

@@ -19,8 +19,6 @@ from tachk.syntax.parsing.contextual import resolve_document, resolve_fragment, 
 from tachk.syntax.parsing.depth import bracket_errors, nesting_errors
 from tachk.syntax.parsing.documentation import documented, lost_documentation
 from tachk.syntax.parsing.driver import drive
-from tachk.syntax.parsing.old_precedence import regrouped
-from tachk.syntax.parsing.strict import additions
 from tachk.syntax.parsing.tables import lexer
 from tachk.syntax.parsing.tokens import Lexed, Token
 
@@ -165,6 +163,8 @@ def parse_document(
     document = ast.Document(span, items, _comments_beside(items, lexed), legacy)
     diagnostics += lost_documentation(document)
     if strict_xta:
+        from tachk.syntax.parsing.strict import additions
+
         diagnostics += additions(document)
     return document, diagnostics
 
@@ -247,6 +247,8 @@ def _read(
         old_tokens = as_legacy([replace(token) for token in tokens], lexer().symbols, start)
         old_value, old_errors = drive(start, old_tokens)
         if not old_errors:
+            from tachk.syntax.parsing.old_precedence import regrouped
+
             value, diagnostics = _unless_deep(old_value, lexed, ())
             return value, lexed, (_legacy_warning(errors[0]), *regrouped(tokens), *diagnostics), True
     value, diagnostics = _unless_deep(value, lexed, _all_errors(lexed, errors))
