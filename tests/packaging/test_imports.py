@@ -170,6 +170,38 @@ def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
     assert not loaded & UNUSED
 
 
+SLOW = {
+    *("ast", "click", "dataclasses", "datetime", "dis", "gettext", "inspect", "locale", "pickle", "platform"),
+    *("subprocess", "tokenize", "traceback"),
+    *(f"tachk.cli.{name}" for name in ("commands.verify", "main", "options")),
+    *(f"tachk.engine.{name}" for name in ("guided_search", "local_times", "simulated_runs", "exact.exact_run")),
+    *(f"tachk.engine.symmetry.{name}" for name in ("abstract_values", "alone", "detection", "terms")),
+    *(f"tachk.frontend.{name}" for name in ("hybrid_clocks", "recordings", "templates.switched_off")),
+    *(f"tachk.syntax.parsing.{name}" for name in ("messages", "old_precedence", "strict")),
+    *(f"tachk.transform.{name}" for name in ("guided",)),
+    *(f"tachk.verify.{name}" for name in ("along_path", "time_optimal")),
+}
+"""Of no use either to a small model whose query has few states, given with plain options."""
+
+
+@pytest.mark.usefixtures("with_tables")
+@pytest.mark.parametrize("query", ["E<> P.b", "A[] P.x >= 0", "A[] not P.b"])
+def test_a_plain_start_loads_nothing_slow(tmp_path: Path, query: str) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(MODEL, encoding="utf-8")
+    program = (
+        "import sys\nbefore = set(sys.modules)\n"
+        "from tachk.cli.start import run\n"
+        "try:\n    run()\nexcept SystemExit as end:\n    assert end.code in (0, 10)\n"
+        "print('\\n', *sorted(set(sys.modules) - before))"
+    )
+    words = ["verify", str(model), query, "--format", "json"]
+    done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.splitlines()[-1].split())
+    assert "tachk.engine.zone" in loaded
+    assert sorted(loaded & (UNUSED | SLOW)) == ["tachk.report.json_report"]
+
+
 @pytest.mark.usefixtures("with_tables")
 @pytest.mark.parametrize("form", ["text", "json", "junit", "verifyta"])
 def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, form: str) -> None:

@@ -9,12 +9,13 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
-import click
-
 from tachk.base.cycles import collect_rarely
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.terminal import end_by, prepare_streams
 from tachk.cli.termination import Termination
+
+COMPLETION_VARIABLE = "_TACHK_COMPLETE"
+"""With this in the environment click answers what a shell asks when it completes a line."""
 
 
 def end_program(command: Callable[[], int | None]) -> NoReturn:
@@ -31,7 +32,7 @@ def end_program(command: Callable[[], int | None]) -> NoReturn:
         status = ExitStatus.BAD_INPUT
         _leave_unwritten()
         print(f"error: standard output: {error.strerror or error}", file=sys.stderr)
-    except (click.Abort, KeyboardInterrupt):
+    except KeyboardInterrupt:
         status = ExitStatus.INTERRUPTED
         print("error: interrupted", file=sys.stderr)
     termination.leave()
@@ -50,9 +51,6 @@ def _status_of(command: Callable[[], int | None]) -> int | None:
     try:
         status = command()
         sys.stdout.flush()
-    except click.ClickException as error:
-        error.show()
-        return error.exit_code
     except SystemExit:
         if sys.stdout is stdout:
             raise

@@ -3,26 +3,43 @@
 from __future__ import annotations
 
 import sys
-import traceback
 from collections.abc import Callable, Iterable
-
-import click
+from contextvars import ContextVar
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, InputError, Severity, UnsupportedError, UsageError
-from tachk.base.job import StoppedError
+from tachk.base.job import StoppedError, is_interrupted, limited, remembering_interruption
 from tachk.base.optional_packages import MissingPackageError, optional_packages
-from tachk.cli.exit_status import ExitStatus
+from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.terminal import wants_colour
 
 _DIAGNOSTICS_SHOWN = 20
-_PRINTED = "tachk.cli.printed"
-"""The key of the diagnostics that a call of a command has printed, among what belongs to it."""
+_printed: ContextVar[set[str] | None] = ContextVar("printed", default=None)
+"""The diagnostics that a call of a command has printed."""
 _NO_MEMORY = "the machine was out of memory before there was a result"
 
 
 def without_result(error: StoppedError) -> str:
     """The message for a command that a limit has ended."""
     return f"the {error.reason} was over before there was a result"
+
+
+def run_command(action: Callable[[], ExitStatus], seconds: float | None = None) -> ExitStatus:
+    """Runs a command; an error becomes a message and the status.
+
+    Args:
+        seconds: the limit on the time of the command as a whole.
+    """
+
+    def within_limit() -> ExitStatus:
+        with remembering_interruption(), limited(seconds):
+            status = action()
+            return worst((status, ExitStatus.INTERRUPTED)) if is_interrupted() else status
+
+    before = _printed.set(set())
+    try:
+        return guarded(within_limit)
+    finally:
+        _printed.reset(before)
 
 
 def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
@@ -63,6 +80,8 @@ def guarded(action: Callable[[], ExitStatus], subject: str = "") -> ExitStatus:
         complain("interrupted before there was an answer")
         return ExitStatus.INTERRUPTED
     except Exception:  # the last resort of the program: whatever comes here is a defect
+        import traceback
+
         traceback.print_exc()
         complain(
             "this is a defect of tachk, not of your model",
@@ -83,8 +102,9 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     many for all of them."""
     from tachk.base.diagnostics.render import render
 
-    context = click.get_current_context(silent=True)
-    printed: set[str] = set() if context is None else context.find_root().meta.setdefault(_PRINTED, set())
+    printed = _printed.get()
+    if printed is None:
+        printed = set()
     found = [each for each in dict.fromkeys(diagnostics) if render(each) not in printed]
     printed.update(map(render, found))
     if len(found) > _DIAGNOSTICS_SHOWN:

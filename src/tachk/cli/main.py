@@ -17,7 +17,8 @@ from click.exceptions import NoSuchCommand
 
 import tachk
 from tachk.cli import commands
-from tachk.cli.console_script import end_program
+from tachk.cli.clicked import end_with
+from tachk.cli.console_script import COMPLETION_VARIABLE
 from tachk.cli.former_names import FORMER_NAMES
 
 if TYPE_CHECKING:
@@ -96,9 +97,6 @@ COMMANDS = (
     *(f"{folder} {name}" for folder, names in FOLDERS.items() for name in names),
 )
 """All commands, as one types them."""
-
-COMPLETION_VARIABLE = "_TACHK_COMPLETE"
-"""With this in the environment click answers what a shell asks when it completes a line."""
 
 
 def load_command(name: str) -> click.Command:
@@ -221,5 +219,5 @@ def app() -> None:
 
 
 def run() -> NoReturn:
-    """The console script."""
-    end_program(lambda: app.main(prog_name="tachk", complete_var=COMPLETION_VARIABLE, standalone_mode=False))
+    """The program, with whatever arguments."""
+    end_with(app, "tachk", COMPLETION_VARIABLE)

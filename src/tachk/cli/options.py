@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.job import is_interrupted, limited, remembering_interruption
-from tachk.base.records import fields
-from tachk.cli.exit_status import ExitStatus, worst
-from tachk.cli.guard import guarded
+from tachk.cli import plain_options
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import run_command
+from tachk.cli.plain_options import Kind, PlainOption
 
 type_of_file = click.Path(path_type=Path)
 """A file to read. The command checks if it exists, as only the command knows if it must."""
@@ -73,13 +73,13 @@ def finish(action: Callable[[], ExitStatus], seconds: float | None = None) -> No
         seconds: the limit on the time of the command as a whole, see `max_seconds`.
     """
 
-    def within_limit() -> ExitStatus:
-        _check_written_files(click.get_current_context())
-        with remembering_interruption(), limited(seconds):
-            status = action()
-            return worst((status, ExitStatus.INTERRUPTED)) if is_interrupted() else status
+    context = click.get_current_context()
 
-    click.get_current_context().exit(guarded(within_limit))
+    def checked() -> ExitStatus:
+        _check_written_files(context)
+        return action()
+
+    context.exit(run_command(checked, seconds))
 
 
 def _check_written_files(context: click.Context) -> None:
@@ -163,27 +163,24 @@ def max_memory(function: Decorated) -> Decorated:
     return click.option("max_memory", "--max-memory", metavar="SIZE", help=help)(function)
 
 
-def distributed(given: Mapping[str, Any], *kinds: type) -> list[Any]:
-    """The dataclasses of the arguments of a command: each value of an option goes to the field of its name."""
-    left = dict(given)
-    made = [kind(**{each.name: left.pop(each.name) for each in fields(kind) if each.name in left}) for kind in kinds]
-    assert not left, f"options that no dataclass takes: {', '.join(left)}"
-    return made
+def plain(option: PlainOption, help: str) -> Callable[[Decorated], Decorated]:
+    """An option that `tachk verify` also reads without click."""
+    attributes: dict[str, Any] = {"multiple": option.several, "help": help}
+    match option.kind:
+        case Kind.FLAG:
+            attributes |= {"is_flag": True}
+        case Kind.FILE:
+            attributes |= {"metavar": option.metavar, "type": type_of_file}
+        case Kind.TEXT:
+            attributes |= {"metavar": option.metavar}
+    return click.option(option.parameter, *option.names, **attributes)
 
 
-def definitions(function: Decorated) -> Decorated:
-    return click.option(
-        "definitions",
-        "-D",
-        "--define",
-        metavar="NAME=EXPR",
-        multiple=True,
-        help="Set a global constant of the model to another value.",
-    )(function)
+definitions = plain(plain_options.DEFINITIONS, "Set a global constant of the model to another value.")
 
 
 def query_files(help: str) -> Callable[[Decorated], Decorated]:
-    return click.option("query_files", "-q", "--queries", metavar="FILE", multiple=True, type=type_of_file, help=help)
+    return plain(plain_options.QUERY_FILES, help)
 
 
 def agent_ports(help: str) -> Callable[[Decorated], Decorated]:
@@ -196,15 +193,13 @@ def report(*forms: str) -> Callable[[Decorated], Decorated]:
     by default: its `Reporting`."""
 
     def add(function: Decorated) -> Decorated:
-        function = click.option("quiet", "--quiet", is_flag=True, help="Print no report; only set the exit status.")(
-            function
-        )
+        function = plain(plain_options.QUIET, "Print no report; only set the exit status.")(function)
         function = click.option(
             "output", "-o", "--output", metavar="FILE", type=written_file, help="Write the report to a file."
         )(function)
         return click.option(
-            "form",
-            "--format",
+            plain_options.FORM.parameter,
+            *plain_options.FORM.names,
             type=click.Choice(forms),
             default=forms[0],
             show_default=True,

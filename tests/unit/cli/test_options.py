@@ -8,8 +8,8 @@ import click
 import pytest
 
 from tachk.cli import main, options
+from tachk.cli.distribution import distributed
 from tachk.cli.main import COMMANDS, FOLDERS, HIDDEN, SECTIONS, app, load_command
-from tachk.cli.options import distributed
 from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
 from tachk.formats.catalogue import EXPORT_FORMATS, SUFFIXES
 from tachk.formats.uppaal.versions import UppaalVersion

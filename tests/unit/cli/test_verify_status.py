@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import RunReporting
+from tachk.cli.verification import VerifyArguments, run_verify
 from tachk.engine.options import Limits
 
 QUIET = RunReporting(quiet=True)

@@ -12,8 +12,8 @@ from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.span import Source
 from tachk.cli.commands.check import run_check
 from tachk.cli.commands.convert import ConvertArguments, run_convert
-from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
+from tachk.cli.verification import VerifyArguments, run_verify
 from tachk.formats.catalogue import export_model
 from tachk.formats.loading.load import load_model
 from tests.support.queries import elaborate_queries

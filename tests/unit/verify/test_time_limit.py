@@ -14,9 +14,9 @@ from tachk.base import job as module
 from tachk.base.job import OutOfTimeError, check_job, current_job, limited
 from tachk.base.resources import data_root
 from tachk.base.span import Source
-from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import RunReporting
+from tachk.cli.verification import VerifyArguments, run_verify
 from tachk.engine import core_search, liveness, measuring, zone
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status

@@ -14,6 +14,7 @@ from tachk.base.records import dataclass
 from tachk.base.span import Source
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting
 from tachk.report.json_text import json_text
@@ -51,7 +52,7 @@ def command(seconds: float | None, **given: Any) -> None:
     damaged.
     """
 
-    arguments = options.distributed(given, CertifyArguments, Reporting)
+    arguments = distributed(given, CertifyArguments, Reporting)
     options.finish(lambda: run_certify(*arguments), seconds)
 
 

@@ -14,6 +14,7 @@ from tachk.base.exact_numbers import DIGITS
 from tachk.base.records import dataclass
 from tachk.base.whole_files import write_whole
 from tachk.cli import options
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.written_reports import check_report, read_json
 from tachk.report.drawing.png import to_png
@@ -65,7 +66,7 @@ def command(seconds: float | None, **given: Any) -> None:
     FILE is a pcap or pcapng capture of DDS-XRCE, or a report with runs: tachk verify MODEL --trace some --format json.
     """
 
-    arguments = options.distributed(given, ChartArguments)
+    arguments = distributed(given, ChartArguments)
     options.finish(lambda: run_chart(*arguments), seconds)
 
 

@@ -18,7 +18,8 @@ def command(ctx: click.Context, shell: str) -> None:
     """
     from click.shell_completion import get_completion_class
 
-    from tachk.cli.main import COMPLETION_VARIABLE, app
+    from tachk.cli.console_script import COMPLETION_VARIABLE
+    from tachk.cli.main import app
 
     found = get_completion_class(shell)
     assert found is not None, shell

@@ -12,6 +12,7 @@ from tachk.base.job import limited
 from tachk.base.records import dataclass
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
@@ -78,7 +79,7 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0 all are, 10 one is not, 20 one is undecided because a limit was hit, 2 bad input.
     """
 
-    arguments = options.distributed(given, ConformArguments, Reporting)
+    arguments = distributed(given, ConformArguments, Reporting)
     options.finish(lambda: run_conform(arguments[0], arguments[1], seconds), seconds)
 
 

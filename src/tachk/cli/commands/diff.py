@@ -14,6 +14,7 @@ from tachk.base.plain_data import PlainData
 from tachk.base.records import replace
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting
 from tachk.syntax.source_files import read_source
@@ -38,7 +39,7 @@ def command(before: str, after: str, definitions: tuple[str, ...], seconds: floa
     Exit status: 0 no difference, 1 some difference.
     """
 
-    (reporting,) = options.distributed(given, Reporting)
+    (reporting,) = distributed(given, Reporting)
     options.finish(lambda: run_diff(before, after, definitions, reporting), seconds)
 
 

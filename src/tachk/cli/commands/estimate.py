@@ -17,6 +17,7 @@ from tachk.base.span import Source as Text
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
@@ -85,7 +86,7 @@ def command(seconds: float | None, **given: Any) -> None:
     not decided, 2 bad input, 3 something that is not simulated.
     """
 
-    request, reporting = options.distributed(given, EstimateArguments, Reporting)
+    request, reporting = distributed(given, EstimateArguments, Reporting)
     options.finish(lambda: run_estimate(request, reporting), seconds)
 
 

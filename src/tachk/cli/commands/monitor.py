@@ -17,6 +17,7 @@ from tachk.base.records import replace
 from tachk.base.whole_files import whole_text
 from tachk.cli import options, trace_options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting, ViolationReporting
 from tachk.cli.row_by_row import RowByRow
@@ -106,7 +107,7 @@ def command(seconds: float | None, **given: Any) -> None:
     from tachk.cli.found_parameter import FindOptions, run_find
     from tachk.cli.trace_arguments import TraceArguments
 
-    search, *arguments = options.distributed(
+    search, *arguments = distributed(
         given, FindOptions, TraceArguments, EvaluationOptions, RowByRow, ViolationReporting, Reporting
     )
     if search.over:

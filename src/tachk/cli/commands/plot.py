@@ -10,6 +10,7 @@ import click
 
 from tachk.base.optional_packages import require
 from tachk.cli import options, trace_options
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def command(
     from tachk.cli.trace_arguments import TraceArguments
     from tachk.recordings.traces.conventions import EvaluationOptions
 
-    arguments, evaluation = options.distributed(given, TraceArguments, EvaluationOptions)
+    arguments, evaluation = distributed(given, TraceArguments, EvaluationOptions)
     options.finish(lambda: run_plot(arguments, evaluation, PlotArguments(output, begin, end, robustness)), seconds)
 
 

@@ -11,6 +11,7 @@ import click
 
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.terminal import console
@@ -55,7 +56,7 @@ def command(seconds: float | None, **given: Any) -> None:
     input.
     """
 
-    (arguments,) = options.distributed(given, ReplayArguments)
+    (arguments,) = distributed(given, ReplayArguments)
     options.finish(lambda: run_replay(arguments), seconds)
 
 

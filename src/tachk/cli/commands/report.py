@@ -17,6 +17,7 @@ from tachk.base.job import limited
 from tachk.base.records import dataclass
 from tachk.base.whole_files import write_whole
 from tachk.cli import options
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.engine.options import Limits
@@ -63,7 +64,7 @@ def command(seconds: float | None, **given: Any) -> None:
     the automata beside it, and what is needed to repeat it. Exit status: as of `tachk verify`.
     """
 
-    (request,) = options.distributed(given, ReportArguments)
+    (request,) = distributed(given, ReportArguments)
     options.finish(lambda: run_report_page(request, seconds))
 
 

@@ -18,6 +18,7 @@ from tachk.base.whole_files import write_whole
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus, worst
 from tachk.cli.guard import complain, print_diagnostics
 from tachk.engine.simulation.policy import SCRIPT, Policy
@@ -136,7 +137,7 @@ def command(seconds: float | None, **given: Any) -> None:
     is undetermined and none is false, 2 bad input, 3 something that is not simulated.
     """
 
-    (arguments,) = options.distributed(given, SimulateArguments)
+    (arguments,) = distributed(given, SimulateArguments)
     options.finish(lambda: run_simulate(arguments), seconds)
 
 

@@ -17,6 +17,7 @@ from tachk.base.job import check_job
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import complain, print_diagnostics
 
@@ -54,7 +55,7 @@ def command(seconds: float | None, **given: Any) -> None:
     Exit status: 0, or 2 for bad input.
     """
 
-    (arguments,) = options.distributed(given, StepArguments)
+    (arguments,) = distributed(given, StepArguments)
     options.finish(lambda: run_step(arguments), seconds)
 
 

@@ -22,6 +22,7 @@ from tachk.base.whole_files import write_whole
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
@@ -144,7 +145,7 @@ def command(**given: Any) -> None:
     """
 
     seconds = given.pop("seconds")
-    arguments, reporting = options.distributed(given, SweepArguments, Reporting)
+    arguments, reporting = distributed(given, SweepArguments, Reporting)
     options.finish(lambda: run_sweep(arguments, reporting, seconds))
 
 

@@ -14,6 +14,7 @@ from tachk.base.optional_packages import require
 from tachk.base.records import dataclass, replace
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting, WantedAnswer
@@ -90,7 +91,7 @@ def command(**given: Any) -> None:
     Exit status: 0 the region is not empty, 10 it is empty, 20 something is unknown.
     """
 
-    arguments = options.distributed(given, SynthesizeArguments, Limits, Reporting)
+    arguments = distributed(given, SynthesizeArguments, Limits, Reporting)
     options.finish(lambda: run_synthesize(*arguments))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import NoReturn
 
 import click
@@ -10,7 +9,7 @@ import click
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli import options
-from tachk.cli.console_script import end_program
+from tachk.cli.clicked import end_with
 from tachk.cli.exit_status import ExitStatus
 
 _SPOKEN_VERSION = "4.1.26"
@@ -51,4 +50,4 @@ def _answer(arguments: tuple[str, ...], program: str) -> ExitStatus:
 
 def run() -> NoReturn:
     """The console script `tachk-verifyta`."""
-    end_program(lambda: command.main(sys.argv[1:], prog_name="tachk-verifyta", standalone_mode=False))
+    end_with(command, "tachk-verifyta")

@@ -6,8 +6,9 @@ costs the time to compute again.
 
 from __future__ import annotations
 
+import marshal
 import os
-import pickle
+import sys
 import zlib
 from collections.abc import Sequence
 from contextlib import suppress
@@ -36,8 +37,11 @@ STARTS = (
     "assignment_fragment",
 )
 
-_FORMAT = " ".join(f"{each.__module__}.{each.__name__}{each._fields}" for each in (Grammar, GrammarRule, Terminal))
-"""The format of the cache: versions with other classes use other files."""
+_FORMAT = " ".join(
+    (sys.version, *(f"{each.__module__}.{each.__name__}{each._fields}" for each in (Grammar, GrammarRule, Terminal)))
+)
+"""The format of the cache: versions with other classes, and of Python, use other files."""
+_CHECKSUM_BYTES = 4
 
 
 @cache
@@ -91,25 +95,48 @@ def _cache_path(key: str) -> Path | None:
     return folder / "tachk" / f"grammar-{zlib.crc32(key.encode()):08x}.bin"
 
 
+class _StoredRows(dict[int, dict[str, int]]):
+    """Rows of tables, each read when it is needed: most texts need few."""
+
+    def __init__(self, stored: dict[int, bytes]) -> None:
+        self._stored = stored
+
+    def __missing__(self, state: int) -> dict[str, int]:
+        row: dict[str, int] = marshal.loads(self._stored[state])
+        self[state] = row
+        return row
+
+
 def _load(path: Path, key: str) -> Grammar:
-    stored, *parts = pickle.loads(path.read_bytes())
+    content = path.read_bytes()
+    checksum, plain = content[:_CHECKSUM_BYTES], content[_CHECKSUM_BYTES:]
+    if checksum != _checksum(plain):  # `marshal` may crash where the content is not its own
+        raise ValueError("damaged")
+    stored, terminals, rules, rows, starts, ends = marshal.loads(plain)
     if stored != key:
         raise ValueError("the tables of another grammar")
-    (grammar,) = parts
-    if not isinstance(grammar, Grammar):
-        raise TypeError("no tables")
-    return grammar
+    return Grammar(
+        tuple(map(Terminal._make, terminals)), tuple(map(GrammarRule._make, rules)), _StoredRows(rows), starts, ends
+    )
+
+
+def _checksum(plain: bytes) -> bytes:
+    return zlib.crc32(plain).to_bytes(_CHECKSUM_BYTES, "big")
 
 
 def _store(grammar: Grammar, path: Path, key: str) -> None:
     """Write the tables beside their place and move them there, so that no reader sees half a file."""
     import tempfile  # takes hashlib with it
 
+    rows = {state: marshal.dumps(row) for state, row in grammar.rows.items()}
+    plain = marshal.dumps(
+        (key, [*map(tuple, grammar.terminals)], [*map(tuple, grammar.rules)], rows, grammar.starts, grammar.ends)
+    )
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name)
     try:
         with os.fdopen(handle, "wb") as stream:
-            pickle.dump((key, grammar), stream, pickle.HIGHEST_PROTOCOL)
+            stream.write(_checksum(plain) + plain)
         os.replace(temporary, path)
     except BaseException:
         with suppress(OSError):

@@ -18,9 +18,9 @@ import tachk
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.words import QueryKind
 from tachk.cli.commands.certify import CertifyArguments, run_certify
-from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting, RunReporting
+from tachk.cli.verification import VerifyArguments, run_verify
 from tachk.engine.options import Limits
 from tachk.meaning.judge.certificate import (
     CertificateWriter,

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import tachk
-from tachk.cli.commands.verify import VerifyArguments, run_verify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import RunReporting
+from tachk.cli.verification import VerifyArguments, run_verify
 from tachk.engine.options import Limits
 from tachk.formats.written_reports import validator
 from tachk.report.statistics.verifyta import statistical_lines

@@ -12,6 +12,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.cli import options
 from tachk.cli import simulation_options as drawing
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.engine.simulation.policy import Policy
@@ -66,7 +67,7 @@ def command(**given: Any) -> None:
     not simulated.
     """
 
-    (arguments,) = options.distributed(given, BridgeArguments)
+    (arguments,) = distributed(given, BridgeArguments)
     options.finish(lambda: run_bridge(arguments))
 
 

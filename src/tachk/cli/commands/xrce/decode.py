@@ -14,6 +14,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 
 
@@ -49,7 +50,7 @@ def command(seconds: float | None, **given: Any) -> None:
     The exit status is 0 if FILE is a capture, whatever is in it, and 2 if it is not.
     """
 
-    arguments = options.distributed(given, Decoding)
+    arguments = distributed(given, Decoding)
     options.finish(lambda: run_decode(*arguments), seconds)
 
 

@@ -12,6 +12,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.cli import options
 from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.report.json_text import json_text
 
@@ -52,7 +53,7 @@ def command(seconds: float | None, **given: Any) -> None:
     constants of a model: tachk verify MODEL $(tachk xrce measure FILE --for MODEL --format settings)
     """
 
-    arguments = options.distributed(given, MeasureArguments)
+    arguments = distributed(given, MeasureArguments)
     options.finish(lambda: run_measure(*arguments), seconds)
 
 

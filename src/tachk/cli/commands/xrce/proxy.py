@@ -12,6 +12,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.base.span import Source
 from tachk.cli import options
+from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
 from tachk.formats.written_reports import check_report, read_json
 
@@ -71,7 +72,7 @@ def command(**given: Any) -> None:
     never did, unless it has a share.
     """
 
-    (proxying,) = options.distributed(given, Proxying)
+    (proxying,) = distributed(given, Proxying)
     options.finish(lambda: run_proxy(proxying))
 
 
