@@ -97,7 +97,7 @@ def test_an_enumeration_of_the_core_has_the_members_of_ours(bound: type[Enum], o
 def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> None:
     names = {name for name in vars(_core.Options) if not name.startswith("_")}
     of_networks = {"processes", "without", "engine", "pace", "local_times"}
-    assert names == {field.name for field in fields(Options)} - of_networks | {"alu", "merging", "attempts"}
+    assert names == {field.name for field in fields(Options)} - of_networks | {"alu", "merging", "pruning", "attempts"}
     changed = Options(
         order=SearchOrder.RANDOM_DFS,
         seed=2**32 - 1,
@@ -113,7 +113,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         chunk_words=2**16,
         rows_after=2**32 - 1,
         proof_after=2**32 - 1,
-    ).off("alu", "merging", "attempts")
+    ).off("alu", "merging", "pruning", "attempts")
     usual, taken = core_options(Options()), core_options(changed)
     assert {name for name in names if getattr(usual, name) == getattr(taken, name)} == {"shortest"}
     assert core_options(Options(shortest=True)).shortest

@@ -26,6 +26,7 @@ from tests.support.oracles import digitised, reference
 VARIANTS = (
     Options().off("alu"),
     Options().off("merging"),
+    Options().off("pruning"),
     Options(order=SearchOrder.BFS),
     Options(order=SearchOrder.PROGRESS),
     Options(order=SearchOrder.PROGRESS, reclaim=False),

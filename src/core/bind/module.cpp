@@ -105,6 +105,7 @@ void bind_options(nb::module_& m) {
       .def_rw("vector", &Options::vector)
       .def_rw("alu", &Options::alu)
       .def_rw("merging", &Options::merging)
+      .def_rw("pruning", &Options::pruning)
       .def_rw("reclaim", &Options::reclaim)
       .def_rw("pack_clocks", &Options::pack_clocks)
       .def_rw("partial_order", &Options::partial_order)
@@ -139,12 +140,7 @@ std::optional<FailureTuple> failure_of(Explorer& explorer, std::size_t goal) {
   return FailureTuple{failure->fault.kind, failure->fault.position, explorer.path_to_goal(goal)};
 }
 
-}  // namespace
-
-NB_MODULE(_core, m) {
-  m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
-  bind_enumerations(m);
-  bind_options(m);
+void bind_explorer(nb::module_& m) {
   nb::class_<Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
       .def("run", &run_patiently<Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
@@ -159,6 +155,7 @@ NB_MODULE(_core, m) {
           "(explored, stored, transitions, bytes)")
       .def("effort", &Explorer::effort, "The work so far, in states of a small network that would take as long.")
       .def("discrete_states", &Explorer::discrete_states, "How many discrete states have been seen.")
+      .def("lost", &Explorer::lost, "How many successors were dropped because no goal can be reached from them.")
       .def("reduced_states", &Explorer::reduced_states, "How many states were expanded with some actions only.")
       .def("has_merged", &Explorer::has_merged, "True if zones have been merged.")
       .def("reached", &Explorer::reached, nb::arg("goal"), "The node where a goal was reached first, or None.")
@@ -186,7 +183,15 @@ NB_MODULE(_core, m) {
       .def(
           "kernel", [](const Explorer& self) { return std::string(self.operations().name); },
           "Which implementation of the zone operations is in use.");
+}
 
+}  // namespace
+
+NB_MODULE(_core, m) {
+  m.doc() = "The C++ core: the exploration engine, the monitors and the reader of tables.";
+  bind_enumerations(m);
+  bind_options(m);
+  bind_explorer(m);
   bind_certificates(m);
   bind_liveness(m);
   bind_localtime(m);

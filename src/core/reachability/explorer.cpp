@@ -53,7 +53,8 @@ Explorer::Parts::Parts(symbolic::ZoneGraph& graph, const Options& options)
       partial_order(graph, options.partial_order),
       goals(graph.program(), graph.semantics(), graph.operations(), options.shortest),
       deadlocks(graph, goals),
-      measures(graph.program(), graph.semantics(), graph.operations()) {}
+      measures(graph.program(), graph.semantics(), graph.operations()),
+      lost(graph.program(), graph.operations(), goals, options.pruning) {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 
@@ -84,7 +85,7 @@ Status Explorer::search(std::uint64_t expansions) {
     graph_.start(Storing{*this});
     close();
   }
-  while (!parts_.goals.settled()) {
+  while (!parts_.goals.settled() && !parts_.lost.all_is_lost()) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t node = next();
     if (node == no_node) return parts_.goals.settled() || waiting_.complete() ? Status::finished : Status::depth_limit;

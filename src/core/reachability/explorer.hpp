@@ -20,6 +20,7 @@
 #include "reachability/merging/path_filter.hpp"
 #include "reachability/observers.hpp"
 #include "reachability/options.hpp"
+#include "reachability/pruning/lost_states.hpp"
 #include "reachability/taken_edges.hpp"
 #include "stubborn/partial_order.hpp"
 #include "symbolic/zone_graph.hpp"
@@ -65,6 +66,8 @@ class Explorer final {
   bool has_merged() const { return store_.merging().any(); }
   // How many states have been expanded with some of their actions only.
   std::uint64_t reduced_states() const { return parts_.partial_order.reduced_states(); }
+  // How many successors have been dropped because no goal can be reached from them.
+  std::uint64_t lost() const { return parts_.lost.lost(); }
   // The node in which a goal was reached first.
   std::optional<std::uint32_t> reached(std::size_t goal) const;
   // The extreme value of a measure among the states stored so far.
@@ -96,8 +99,10 @@ class Explorer final {
     GoalWatch goals;
     DeadlockWatch deadlocks;
     MeasureWatch measures;
-    Observers<TakenEdges, merging::PathFilter, stubborn::PartialOrder, GoalWatch, DeadlockWatch, MeasureWatch> all{
-        taken, path_filter, partial_order, goals, deadlocks, measures};
+    pruning::LostStates lost;
+    Observers<TakenEdges, merging::PathFilter, stubborn::PartialOrder, GoalWatch, DeadlockWatch, MeasureWatch,
+              pruning::LostStates>
+        all{taken, path_filter, partial_order, goals, deadlocks, measures, lost};
 
     Parts(symbolic::ZoneGraph& graph, const Options& options);
   };

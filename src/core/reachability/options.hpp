@@ -16,6 +16,7 @@ struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
   bool subsumption = true;
   bool alu = true;      // a state is dropped also for one that simulates it, where only what can be reached matters
   bool merging = true;  // waiting states of one discrete part become one where their zones together are a zone
+  bool pruning = true;  // a state is dropped if no goal can be reached from it, as far as single processes tell
   // Where time cannot pass, not all orders of independent actions are explored.
   bool partial_order = false;
   bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found

@@ -97,6 +97,10 @@ REDUCTIONS = {
     "merging": "make one state of states that wait to be explored and differ in their zones only, where these together "
     "are a zone, as long as that often is so. Breadth first; not with `shortest`, `partial_order`, a limit "
     "on depth, nor for largest and smallest values or runs that go on for ever.",
+    "pruning": "for `E<>` and `A[]`: drop a state from which one process, or one variable, that the goal names can no "
+    "longer come to what the goal asks, whatever everybody else does: a backward search over the locations of one "
+    "process and the intervals of one of its clocks, or over the values of one variable. Not where a run-time error "
+    "may lie ahead, clocks stop, or the goal contains `deadlock`, nor for largest and smallest values.",
     "attempts": "for `-->`: on the way to all states, explore up to one state for every eight depth first, so that a "
     "run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, explore up to 5,000 "
     "as with `partial_order`, if that is of use in a quarter of the first 256, and then 1,500 depth first with "

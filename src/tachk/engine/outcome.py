@@ -26,6 +26,7 @@ class Statistics:
     less_known: the variables of which a coarser network that was searched keeps less.
     asked_of_all: whether the symmetrised query was checked, about all interchangeable processes in place of some.
     local_times: whether each process had a time of its own.
+    lost: successors that were dropped because the goals were out of reach from them.
     """
 
     states_explored: int = 0
@@ -39,6 +40,7 @@ class Statistics:
     less_known: tuple[str, ...] = ()
     asked_of_all: bool = False
     local_times: bool = False
+    lost: int = 0
 
     def then(self, other: Statistics) -> Statistics:
         """The work of two searches, one after the other."""
@@ -54,6 +56,7 @@ class Statistics:
             self.less_known or other.less_known,
             self.asked_of_all or other.asked_of_all,
             self.local_times or other.local_times,
+            self.lost + other.lost,
         )
 
 

@@ -216,7 +216,8 @@ def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> _Ended:
 
 def _statistics(search: GoalSearch, begun: tuple[float, float]) -> Statistics:
     found = replace(statistics_of(search, begun[0]), user_seconds=user_seconds() - begun[1])
-    return replace(found, local_times=isinstance(search, _core.LocalExplorer))
+    lost = search.lost() if isinstance(search, _core.Explorer) else 0
+    return replace(found, local_times=isinstance(search, _core.LocalExplorer), lost=lost)
 
 
 def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended: _Ended) -> tuple[Outcome, list[int]]:

@@ -114,7 +114,7 @@ FORMS: dict[type, Fields | Callable[[Any], object]] = {
     ),
     Statistics: Fields(
         "states_explored states_stored transitions seconds peak_bytes interchangeable exchanged less_known "
-        "asked_of_all local_times"
+        "asked_of_all local_times lost"
     ),
     Due: Fields("state=steps time"),
     Extreme: Fields("value strict trace=run"),

@@ -130,6 +130,7 @@ void test_zones_of_covered_states_are_given_back() {
   for (const bool reclaim : {true, false}) {
     Options options;
     options.reclaim = reclaim;
+    options.pruning = false;
     Explorer explorer(program, options);
     CHECK(explorer.run(UINT64_MAX) == Status::finished);
     statistics.push_back(explorer.statistics());
@@ -417,6 +418,32 @@ void test_images_that_are_no_programs_are_rejected() {
 
 }  // namespace
 
+// Two processes that can take their only edge when 1, and when 2, time units have passed, and to wait for ever: who
+// waits longer is lost.
+void test_who_misses_a_moment_is_lost() {
+  Program program;
+  program.clocks = 2;
+  program.state_slots = 2;
+  program.slots = {Slot{0, 1, 0, false}, Slot{0, 1, 0, false}};
+  program.maximum_constants = {0, 1, 2};
+  program.largest_constant = 2;
+  for (std::uint32_t process = 0; process < 2; ++process) {
+    const auto clock = static_cast<std::uint16_t>(process + 1);
+    program.processes.push_back({0, {location({}, {{clock, clock}}, {{clock, clock}}), location()}});
+    program.edges.push_back(edge(process, 0, 1, atoms({at_most(clock, clock), at_least(clock, clock)})));
+  }
+  program.goals = {goal(tests({{0, Comparison::equal, 1}, {1, Comparison::equal, 1}}))};
+  for (const bool pruning : {true, false}) {
+    Options options;
+    options.pruning = pruning;
+    Explorer explorer(program, options);
+    CHECK(explorer.run(UINT64_MAX) == Status::finished);
+    CHECK(explorer.reached(0).has_value());
+    CHECK(explorer.lost() == (pruning ? 1 : 0));  // the second process has gone first
+    CHECK(explorer.statistics().stored == (pruning ? 3 : 4));
+  }
+}
+
 int main() {
   test_known_state_counts();
   test_options_do_not_change_answers();
@@ -434,5 +461,6 @@ int main() {
   test_broadcast_splits_on_the_receivers_clock();
   test_priority_blocks_only_where_the_higher_action_is_possible();
   test_images_that_are_no_programs_are_rejected();
+  test_who_misses_a_moment_is_lost();
   std::puts("the explorer gives the known answers");
 }

@@ -31,13 +31,14 @@ from tests.support.symmetric.cycles import random_ring_case
 from tests.support.symmetric.registers import random_register_case
 
 NO_REDUCTION = Options(order=SearchOrder.BFS, subsumption=False).off(
-    "local-times", "unblocked", "sliced", "alu", "merging", "cone", "symmetry", "attempts"
+    "local-times", "unblocked", "sliced", "alu", "merging", "pruning", "cone", "symmetry", "attempts"
 )
 BY_DEFAULT = Options()
 ALONE: Mapping[str, Options] = {
     "subsumption": replace(NO_REDUCTION, subsumption=True),
     "alu": replace(NO_REDUCTION.on("alu"), subsumption=True),
     "merging": replace(NO_REDUCTION.on("merging"), subsumption=True),
+    "pruning": NO_REDUCTION.on("pruning"),
     "local times": replace(NO_REDUCTION.on("local-times"), local_times=LocalTimes.ALWAYS),
     "partial order": replace(NO_REDUCTION, partial_order=True),
     "cone of influence": NO_REDUCTION.on("cone"),
@@ -46,6 +47,7 @@ ALONE: Mapping[str, Options] = {
 }
 TOGETHER: Mapping[str, Options] = {
     **each_switched_off(),
+    "without pruning": Options().off("pruning"),
     "local times and symmetry": Options(local_times=LocalTimes.ALWAYS),
     "partial order, all": Options(partial_order=True).off("symmetry"),
     "depth first": Options(order=SearchOrder.DFS),

@@ -49,7 +49,8 @@ def searches(text: str) -> list[_core.Explorer | _core.LivenessSearch | _core.Co
     """Searches of each kind that have not begun, in which processes keep their places."""
     network, target = model(text)
     program, goals = lower(network, [target])
-    image, options, limits = encode(program, goals), core_options(Options()), core_limits(Limits())
+    image, limits = encode(program, goals), core_limits(Limits())
+    options = core_options(Options().off("pruning"))
     live, avoided, _ = lower_obligation(network, target, None)
     return [
         _core.Explorer(image, options, limits),
@@ -88,7 +89,7 @@ def test_ctrl_c_ends_a_search_in_the_midst_of_a_state() -> None:
 def test_a_limit_on_memory_ends_a_search_in_the_midst_of_a_state() -> None:
     network, target = model(UNRANKED)
     program, goals = lower(network, [target])
-    outcome = explore(program, goals, limits=Limits(memory_bytes=2_000_000))
+    outcome = explore(program, goals, Options().off("pruning"), Limits(memory_bytes=2_000_000))
     assert outcome.reason == "memory limit"
     assert outcome.statistics.states_explored == 1
 
@@ -97,6 +98,6 @@ def test_the_time_of_first_looks_counts() -> None:
     network, target = model(MANY_SUCCESSORS)
     program, goals = lower(network, [negation(negation(target))])
     with limited(0.05):
-        outcome = explore(program, goals)
+        outcome = explore(program, goals, Options().off("pruning"))
     assert outcome.reason == "time limit"
     assert outcome.statistics.seconds >= 0.05

@@ -11,7 +11,7 @@ from tachk.base.job import Job, under_way
 from tachk.base.span import Source
 from tachk.engine import zone
 from tachk.engine.compiler.lower import lower
-from tachk.engine.options import Limits
+from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import Status
 from tachk.formats.loading.load import load_model
 
@@ -26,7 +26,7 @@ def test_a_limit_met_without_what_only_blocks_is_no_answer(answers: Answers) -> 
     system Main, Hinders;
     property P : A[] n < 9;
     """
-    assert answers(text, limits=Limits(states=3)) == {"P": "unknown"}
+    assert answers(text, options=Options().off("pruning"), limits=Limits(states=3)) == {"P": "unknown"}
     assert answers(text) == {"P": "fails"}
 
 
@@ -38,7 +38,7 @@ def test_the_first_search_keeps_the_limit_on_states(answers: Answers) -> None:
     system Main, Hinders;
     property P : A[] n < 9;
     """
-    assert answers(text, limits=Limits(states=3)) == {"P": "unknown"}
+    assert answers(text, options=Options().off("pruning"), limits=Limits(states=3)) == {"P": "unknown"}
     assert answers(text) == {"P": "holds"}
 
 

@@ -91,7 +91,7 @@ def _values(extremes: tachk.Extremes) -> tuple[object, ...]:
 def test_names_are_held_apart() -> None:
     names = [row.name for row in rows()]
     assert len(names) == len(set(names))
-    assert not set(names) & {"alu", "merging", "attempts", "cone", "symmetry", "local-times"}
+    assert not set(names) & {"alu", "merging", "pruning", "attempts", "cone", "symmetry", "local-times"}
 
 
 @pytest.mark.parametrize("name", strategies.names())
