@@ -31,6 +31,11 @@ _STEP = 256
 _EARLY, _LARGE_ZONE = 500, 10_000
 _TENTH_OF_A_SECOND = 20_000
 """The work of about so long. Where less is enough the search answers by itself: others find longer runs."""
+_STATES_OF_A_RUN, _ZONES_OF_A_RUN = 16, 3
+"""What a run depth first may take: states for each process, and zones for each pair of processes. In TChecker's leader
+election it takes 12 and 2.3."""
+_ENTRIES_AS_LONG = 1024
+"""To compute so many entries of a zone takes as long as a state of a small network."""
 _LONG = 2_000_000
 """A search that has done so much work has taken some ten seconds, and is likely to take many more."""
 
@@ -60,9 +65,10 @@ class SearchStrategy:
         begin: the search; None where it is not sound, or would hardly pay.
         exactness: what can be believed of its outcome.
         after: how much work the ordinary search does before.
-        begins: the same where it depends on the problem.
-        explored: its budget, in states that are explored. Where it is hit, the search has decided nothing.
-        work: its budget as work, in place of that.
+        explored: the budget of its first turn, in states that are explored. Where it is hit, the search has decided
+            nothing.
+        work: its budget as work.
+        fitted: the row for a problem, where that decides when the row begins and how much work it may do.
         share: of the work of the ordinary search, its budgets behind the first one; 0: it has one turn.
         long_share: the same where the ordinary search takes long.
         sample: after how many explored states it is looked at whether the search pays.
@@ -74,9 +80,9 @@ class SearchStrategy:
     begin: Callable[[SearchProblem], GoalSearch | None]
     exactness: Exactness
     after: int
-    begins: Callable[[SearchProblem], int] | None = None
     explored: int | None = None
     work: int | None = None
+    fitted: Callable[[SearchStrategy, SearchProblem], SearchStrategy] = lambda row, problem: row
     share: float = 0.0
     long_share: float = 0.0
     sample: int = 0
@@ -96,15 +102,11 @@ class SearchStrategy:
         free = options.order is SearchOrder.AUTO and not options.shortest
         return of_use and free and "attempts" not in options.without
 
-    def first(self, problem: SearchProblem) -> int:
-        """How much work the ordinary search does before."""
-        return self.after if self.begins is None else self.begins(problem)
-
     def later(self) -> SearchStrategy:
         """The row for its next turn."""
         assert self.work is not None
         after = max(2 * self.after, int(2 * self.work / self._share_at(self.after)))
-        return replace(self, after=after, work=int(after * self._share_at(after)))
+        return replace(self, after=after, work=int(after * self._share_at(after)), explored=None)
 
     def _share_at(self, effort: int) -> float:
         return self.share if effort < _LONG else self.long_share
@@ -115,7 +117,8 @@ class SearchStrategy:
         if not isinstance(search, _core.Explorer):
             return run_in_slices(search.budgeted(self.work or 0), begun)
         if self.work is not None:
-            return run_in_slices(BudgetedSearch(search, effort=search.effort() + self.work), begun)
+            part = BudgetedSearch(search, effort=search.effort() + self.work, explored=self.explored)
+            return run_in_slices(part, begun)
         assert self.explored is not None
         status, reason = run_in_slices(BudgetedSearch(search, explored=self.sample), begun)
         if status is _core.Status.STATE_LIMIT and self.pays(search, self.sample):
@@ -178,12 +181,24 @@ class BudgetedSearch:
         return self._search.statistics()
 
 
-def _begin_of_local_times(problem: SearchProblem) -> int:
-    """The sample that decides whether they pay takes long with many clocks: a run may be found before."""
+def _once_a_sample_is_little(row: SearchStrategy, problem: SearchProblem) -> SearchStrategy:
+    """The sample that decides whether local times pay takes long with many clocks: a run may be found before."""
     if problem.options.local_times is not LocalTimes.AUTO:
-        return 0
+        return replace(row, after=0)
     entries = (problem.program.clocks + len(problem.program.locations)) ** 2
-    return _EARLY if entries < _LARGE_ZONE else _TENTH_OF_A_SECOND + 1
+    return row if entries < _LARGE_ZONE else replace(row, after=_TENTH_OF_A_SECOND + 1)
+
+
+def _with_many_processes(row: SearchStrategy, problem: SearchProblem) -> SearchStrategy:
+    """A run in which each process takes some steps passes so many states in proportion to their number, and in each as
+    many processes may have a successor: a budget for small networks would end far before the goal."""
+    assert row.work is not None
+    processes, clocks = len(problem.program.locations), problem.program.clocks
+    zones = _ZONES_OF_A_RUN * processes**2
+    work = zones + zones * (clocks + 1) ** 2 // _ENTRIES_AS_LONG
+    if work <= row.work:
+        return row
+    return replace(row, after=max(row.after, 2 * work), work=work, explored=_STATES_OF_A_RUN * processes)
 
 
 def _over_local_times(problem: SearchProblem) -> _core.LocalExplorer | None:
@@ -255,7 +270,7 @@ PORTFOLIO = (
         _over_local_times,
         Exactness.SAME_STATES,
         after=_EARLY,
-        begins=_begin_of_local_times,
+        fitted=_once_a_sample_is_little,
     ),
     SearchStrategy(
         "best-first",
@@ -284,6 +299,7 @@ PORTFOLIO = (
         Exactness.REACHABLE,
         after=2 * _TENTH_OF_A_SECOND,
         work=5_000,
+        fitted=_with_many_processes,
         share=1 / 64,
         long_share=1 / 32,
     ),

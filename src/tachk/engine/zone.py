@@ -127,13 +127,13 @@ def _search(program: Program, goals: Sequence[Goal], options: Options, limits: L
 def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended:
     """How the first search ended that decides, or that is stopped. Raises MemoryError and OutOfMemoryError."""
     options, ordinary = problem.options, problem.ordinary
-    turns = [row for row in PORTFOLIO if row.is_allowed(options, problem.limits)]
+    fitted = (row.fitted(row, problem) for row in PORTFOLIO)
+    turns = [row for row in fitted if row.is_allowed(options, problem.limits)]
     tried: dict[str, GoalSearch] = {}
     main = _MainSearch(problem, begun)
     while turns:
-        strategy = min(turns, key=lambda row: row.first(problem))
-        after = strategy.first(problem)
-        if after > 0 and (ended := main.run(after)) is not None:
+        strategy = min(turns, key=lambda row: row.after)
+        if strategy.after > 0 and (ended := main.run(strategy.after)) is not None:
             return ended
         turns.remove(strategy)
         search = tried.get(strategy.name) or strategy.begin(problem)

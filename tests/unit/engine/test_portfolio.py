@@ -248,6 +248,6 @@ def test_each_search_can_be_switched_off(name: str, monkeypatch: pytest.MonkeyPa
     with_search_budgets(monkeypatch, after=100)
     for strategy in portfolio.PORTFOLIO:
         with_search_budgets(monkeypatch, strategy.name, begin=lambda problem, own=strategy.name: begun.append(own))
-    with_search_budgets(monkeypatch, "local-times", begins=lambda problem: 100)
+    with_search_budgets(monkeypatch, "local-times", after=100, fitted=lambda row, problem: row)
     assert verdict(REACHED, Options().off("unblocked", "sliced", "symmetry", name), Limits(states=300)).reason
     assert begun == [other for other in NAMES if other != name]

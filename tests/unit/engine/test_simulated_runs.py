@@ -101,7 +101,11 @@ def test_independent_processes_reach_a_goal_about_all() -> None:
     query = "E<> " + " && ".join(f"p{number}.b" for number in range(1, 61))
     found = verdict(together(60), query, Options())
     assert (found.answer, found.strategy) == (Answer.HOLDS, "simulated")
-    directed = verdict(together(60), query, Options().off("simulated"))
+    deep = verdict(together(60), query, Options().off("simulated", "best-first"))
+    assert (deep.answer, deep.strategy) == (Answer.HOLDS, "probe")
+    assert deep.statistics.states_stored < 20_000  # a run through 60 processes takes more than through few
+    query = "E<> " + " && ".join(f"p{number}.b" for number in range(1, 41))
+    directed = verdict(together(40), query, Options().off("simulated", "probe"))
     assert (directed.answer, directed.strategy) == (Answer.HOLDS, "best-first")
 
 
