@@ -19,7 +19,9 @@ from tachk.engine.program_image import encode
 
 _SAMPLE = 500
 """The number of states that both searches explore before one is chosen."""
-_STEP = 10
+_SAMPLE_WORK = 20_000
+"""Where those take longer than so much work, fewer are explored: a state of 100 processes takes that of thousands."""
+_STEP = 2
 _MUCH_MEMORY = 256 << 20
 """A zone over the local times of 100 processes, of which all are kept that wait, takes hundreds of kilobytes."""
 _FEW_ZONES = 2.0
@@ -49,15 +51,19 @@ def begin(
     if counts_steps or options.extrapolation is Extrapolation.NONE:
         return None
     samples = options.local_times is LocalTimes.AUTO
-    if samples and _explore_sample(ordinary) is not _core.Status.RUNNING:
-        return None  # what stops it now stops it again when it goes on
+    states = 0
+    if samples:
+        status, states = _explore_sample(ordinary, _SAMPLE, _SAMPLE_WORK)
+        if status is not _core.Status.RUNNING:
+            return None  # what stops it now stops it again when it goes on
     image = encode(program, goals)
     if obstacle(image) is not None:
         return None
     if samples:
         if ordinary.has_merged():  # which hides how many orders there are
             ordinary = _core.Explorer(image, core_options(options.off("merging")), core_limits(limits))
-            if _explore_sample_beside(ordinary) is not _core.Status.RUNNING:
+            status, states = _explore_sample_beside(ordinary, _SAMPLE, _SAMPLE_WORK)
+            if status is not _core.Status.RUNNING:
                 return None
         if _zones_each(ordinary) < _FEW_ZONES:
             return None
@@ -66,8 +72,8 @@ def begin(
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if samples:
-        status = _explore_sample_beside(search)
-        if status in _IMPATIENT:
+        status, explored = _explore_sample_beside(search, states, ordinary.effort())
+        if status in _IMPATIENT or (status is _core.Status.RUNNING and explored < states):
             return None
         if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None
@@ -77,26 +83,34 @@ def begin(
 _IMPATIENT = (_core.Status.TIME_LIMIT, _core.Status.MEMORY_LIMIT)
 
 
-def _explore_sample(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
-    """The status behind a first look: RUNNING if there is more to explore, MEMORY_LIMIT also if that would take much
-    more memory than a search needs as a rule."""
+def _explore_sample(search: _core.Explorer | _core.LocalExplorer, states: int, work: int) -> tuple[_core.Status, int]:
+    """The status behind a first look, and how many states it has explored of those that are wanted.
+
+    The status is RUNNING if there is more to explore, also where so much work was done before, and MEMORY_LIMIT also if
+    it takes much more memory than a search needs as a rule.
+    """
     job = current_job()
-    status = _core.Status.RUNNING
-    for _ in range(_SAMPLE // _STEP):
-        status = search.run(_STEP, job.seconds_left, job.check_memory)
+    end = search.effort() + work
+    explored = 0
+    while explored < states and search.effort() < end:
+        step = min(_STEP, states - explored)
+        status = search.run(step, job.seconds_left, job.check_memory)
         if status is not _core.Status.RUNNING:
-            return status
+            return status, explored
+        explored += step
         if search.statistics()[3] > _MUCH_MEMORY:
-            return _core.Status.MEMORY_LIMIT
-    return status
+            return _core.Status.MEMORY_LIMIT, explored
+    return _core.Status.RUNNING, explored
 
 
-def _explore_sample_beside(search: _core.Explorer | _core.LocalExplorer) -> _core.Status:
+def _explore_sample_beside(
+    search: _core.Explorer | _core.LocalExplorer, states: int, work: int
+) -> tuple[_core.Status, int]:
     """A first look of a search without which another one goes on, with the memory that this one has taken."""
     try:
-        return _explore_sample(search)
+        return _explore_sample(search, states, work)
     except (MemoryError, OutOfMemoryError):
-        return _core.Status.MEMORY_LIMIT
+        return _core.Status.MEMORY_LIMIT, 0
 
 
 def _zones_each(search: _core.Explorer | _core.LocalExplorer) -> float:

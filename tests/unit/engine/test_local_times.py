@@ -243,6 +243,13 @@ def test_the_choice_is_not_made_where_it_takes_much_memory(monkeypatch: pytest.M
     assert not found.statistics.local_times
 
 
+def test_the_choice_is_not_made_where_it_takes_much_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tachk.engine.local_times._SAMPLE_WORK", 10)
+    (found,) = tachk.loads(LAMPS).verify("A[] true")
+    assert found.answer is Answer.HOLDS
+    assert not found.statistics.local_times
+
+
 def test_the_choice_is_made_where_it_pays() -> None:
     model = tachk.loads(LAMPS)
     (chosen,) = model.verify("A[] true")
