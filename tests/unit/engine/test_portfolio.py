@@ -149,8 +149,8 @@ def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> No
 class Interrupted:
     """A search in which Ctrl-C comes at once."""
 
-    def effort(self) -> int:
-        return 0
+    def budgeted(self, work: int) -> Interrupted:
+        return self
 
     def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:
         raise KeyboardInterrupt
