@@ -34,7 +34,7 @@ def checked_arguments(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 def check_argument(name: str, value: object, annotation: str) -> None:
     """Raises UsageError where a value is of another type than an annotation says."""
-    kinds = list(_alternatives(annotation))
+    kinds = _alternatives(annotation)
     if not any(_fits(value, kind) for kind in kinds):
         words = " or ".join(dict.fromkeys(_in_words(kind) for kind in kinds))
         raise UsageError(f"`{name}` is {_shown(value)}, but it must be {words}")
@@ -100,17 +100,18 @@ def _text(annotation: object) -> str:
     return annotation if isinstance(annotation, str) else "Any"
 
 
-def _alternatives(annotation: str) -> Iterator[str]:
+@cache
+def _alternatives(annotation: str) -> Sequence[str]:
     """The parts between the bars outside of brackets."""
-    depth, part = 0, ""
+    depth, part, parts = 0, "", list[str]()
     for letter in annotation:
         depth += {"[": 1, "]": -1}.get(letter, 0)
         if letter == "|" and depth == 0:
-            yield part.strip()
+            parts.append(part.strip())
             part = ""
         else:
             part += letter
-    yield part.strip()
+    return (*parts, part.strip())
 
 
 def _fits(value: object, kind: str) -> bool:

@@ -97,18 +97,21 @@ else:
 
     def replace(thing: object, /, **changes: object) -> object:
         """`dataclasses.replace`."""
-        if getattr(thing, "__dataclass_params__", None).__class__ is not _Parameters:
-            import dataclasses
+        cls = thing.__class__
+        names = _given_names.get(cls)
+        if names is None:
+            if getattr(cls, "__dataclass_params__", None).__class__ is not _Parameters:
+                import dataclasses
 
-            return dataclasses.replace(thing, **changes)
-        for each in getattr(thing, _FIELDS).values():
-            name = each.name
-            if not each.init:
-                if name in changes:
-                    raise ValueError(f"field {name} is declared with init=False, it cannot be specified with replace()")
-            elif name not in changes:
+                return dataclasses.replace(thing, **changes)
+            names = _given_names[cls] = tuple(each.name for each in getattr(cls, _FIELDS).values() if each.init)
+        for name in names:
+            if name not in changes:
                 changes[name] = getattr(thing, name)
-        return thing.__class__(**changes)
+        return cls(**changes)
+
+    _given_names: dict[type, tuple[str, ...]] = {}
+    """The names of the arguments of classes of whose objects some were replaced."""
 
     class _Factory:
         """Stands for the default of a parameter whose value comes from a function."""
