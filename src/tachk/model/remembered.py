@@ -6,7 +6,7 @@ Networks are compared by identity: to compare their contents would cost as much 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from typing import Any, TypeVar, TypeVarTuple
 
 from tachk.model.network import Network
@@ -27,6 +27,19 @@ def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[N
 
     The results are shared and must not be changed. Exceptions are not cached.
     """
+    return by_network_where(lambda result: True)(function)
+
+
+def by_network_where(
+    worth: Callable[[Result], bool],
+) -> Callable[[Callable[[Network, *Arguments], Result]], Callable[[Network, *Arguments], Result]]:
+    """As `by_network`, with a cache of those results that are worth it: of none that takes much memory."""
+    return partial(_with_cache, worth)
+
+
+def _with_cache(
+    worth: Callable[[Result], bool], function: Callable[[Network, *Arguments], Result]
+) -> Callable[[Network, *Arguments], Result]:
     known: dict[int, tuple[Network, tuple[Any, ...], Any]] = {}
 
     @wraps(function)
@@ -35,6 +48,9 @@ def by_network(function: Callable[[Network, *Arguments], Result]) -> Callable[[N
         entry = known.get(key)
         if entry is None or entry[0] is not network or entry[1] != arguments:
             entry = network, arguments, function(network, *arguments)
+            if not worth(entry[2]):
+                result: Result = entry[2]
+                return result
             while len(known) >= MOST_RESULTS:
                 known.pop(next(iter(known)), None)
             known[key] = entry

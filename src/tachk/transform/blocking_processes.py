@@ -20,6 +20,7 @@ from tachk.base.records import dataclass, field, replace
 from tachk.base.words import Direction
 from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Edge, Network, Process
+from tachk.model.remembered import by_network
 from tachk.model.traversal import process_expressions
 from tachk.transform.cone_of_influence import every_action_counts, frozen, is_broadcast, outside_cone
 from tachk.transform.monotone_counters import monotone_counters
@@ -36,6 +37,11 @@ def without_blocking(network: Network, targets: Sequence[Expression]) -> Transfo
     requests the whole state space; and where all that only block are outside the cone of influence, where
     they cost nothing.
     """
+    return _without_blocking(network, tuple(targets))
+
+
+@by_network
+def _without_blocking(network: Network, targets: tuple[Expression, ...]) -> Transformation:
     if every_action_counts(network, targets):
         return unchanged(network)
     cone = _cone(network, targets, (), monotone_counters(network, targets))

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from tachk.model.network import Network
-from tachk.model.remembered import MOST_RESULTS, by_network
+from tachk.model.remembered import MOST_RESULTS, by_network, by_network_where
 
 
 def test_a_network_is_asked_once_and_others_for_themselves() -> None:
@@ -32,3 +32,16 @@ def test_the_oldest_results_are_forgotten() -> None:
         assert count(network, number) == number
     assert count(network, 1) == 1 and len(asked) == MOST_RESULTS + 1
     assert count(network, 0) == 0 and len(asked) == MOST_RESULTS + 2
+
+
+def test_a_result_that_is_not_worth_it_is_worked_out_again() -> None:
+    asked = []
+
+    @by_network_where(lambda result: result < 5)
+    def count(network: Network, number: int) -> int:
+        asked.append(number)
+        return number
+
+    network = Network(())
+    assert [count(network, number) for number in (1, 9, 1, 9)] == [1, 9, 1, 9]
+    assert asked == [1, 9, 9]

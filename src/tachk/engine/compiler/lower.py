@@ -48,6 +48,7 @@ from tachk.model.expressions import BOOL, Assign, Binary, Constant, Expression, 
 from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import constant_number
 from tachk.model.network import Chance, Edge, Location, Network, Process
+from tachk.model.remembered import by_network_where
 from tachk.model.types import ChannelType, ClockType, leaves
 from tachk.model.variable_layout import slot_range
 
@@ -68,6 +69,21 @@ def lower(
     The clock bounds of the program cover all the predicates. Raises InputError for an initial value outside its range
     and UnsupportedError for what the engine cannot represent.
     """
+    return _program_and_goals(network, tuple(predicates), tuple(tables))
+
+
+_FEW_EDGES = 1_000
+"""So many edges are compiled in a few milliseconds, as long as it takes to search what small models have."""
+
+
+def _is_small(compiled: tuple[Program, tuple[Goal, ...]]) -> bool:
+    return len(compiled[0].edges) <= _FEW_EDGES
+
+
+@by_network_where(_is_small)
+def _program_and_goals(
+    network: Network, predicates: tuple[Expression, ...], tables: tuple[Variable, ...]
+) -> tuple[Program, tuple[Goal, ...]]:
     known = known_values(network, predicates)
     lowering = _lowered(network, known, tables, never_taken(network))
     goals = []

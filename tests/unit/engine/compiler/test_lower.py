@@ -43,6 +43,20 @@ def single(build: Callable[[NetworkBuilder], list[Term]]) -> tuple[Network, Prog
     return built, lower(built)[0].edges[0]
 
 
+def test_the_program_of_a_small_network_is_kept_for_the_same_question() -> None:
+    builder = NetworkBuilder()
+    n = builder.integer("n", 0, 5)
+    process = builder.process("P")
+    process.location("a")
+    network = builder.build()
+    first, other = ((n == value).expression for value in (0, 1))
+    program, goals = lower(network, [first])
+    again, same = lower(network, [(n == 0).expression])
+    assert again is program
+    assert same is goals
+    assert lower(network, [other])[1] != goals
+
+
 def test_slots_are_locations_then_variables_and_clocks_hold_their_numbers() -> None:
     network = NetworkBuilder()
     n = network.integer("n", 1, 9)
