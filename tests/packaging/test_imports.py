@@ -171,8 +171,8 @@ def test_verify_loads_only_what_the_model_needs(tmp_path: Path) -> None:
 
 
 SLOW = {
-    *("ast", "click", "dataclasses", "datetime", "dis", "gettext", "inspect", "locale", "pickle", "platform"),
-    *("subprocess", "tokenize", "traceback"),
+    *("ast", "click", "dataclasses", "datetime", "dis", "gettext", "inspect", "locale", "pathlib", "pickle"),
+    *("platform", "subprocess", "tokenize", "traceback", "urllib.parse"),
     *(f"tachk.cli.{name}" for name in ("commands.verify", "main", "options")),
     *(f"tachk.engine.{name}" for name in ("guided_search", "local_times", "simulated_runs", "exact.exact_run")),
     *(f"tachk.engine.symmetry.{name}" for name in ("abstract_values", "alone", "detection", "terms")),

@@ -17,13 +17,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from math import inf
-from pathlib import Path
 from time import monotonic
 from typing import Any
 
 from tachk.base.records import dataclass, replace
 
-_STATM = Path("/proc/self/statm")
+_STATM = "/proc/self/statm"
 _SECONDS_BETWEEN_CHECKS = 0.025
 _SLACK = 10
 """The memory of the process that is not counted may be a tenth of the limit, ..."""
@@ -231,7 +230,8 @@ def is_interrupted() -> bool:
 def resident_bytes() -> int | None:
     """The memory of the machine that the process takes now; None where it is not known."""
     try:
-        return int(_STATM.read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        with open(_STATM, "rb") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, IndexError, AttributeError):
         return None
 

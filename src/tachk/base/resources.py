@@ -5,22 +5,35 @@ In a checkout they lie beside ``src/``; in an installed wheel in ``tachk/_data``
 
 from __future__ import annotations
 
+import os
 from functools import cache
-from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @cache
 def data_root() -> Path:
     """The folder that holds grammar/ and its siblings."""
-    checkout = Path(__file__).resolve().parents[3]
-    if (checkout / "pyproject.toml").is_file() and (checkout / "grammar").is_dir():
+    from pathlib import Path  # takes longer than all that a start reads here
+
+    return Path(_root())
+
+
+@cache
+def _root() -> str:
+    package = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    checkout = os.path.dirname(os.path.dirname(package))
+    if os.path.isfile(os.path.join(checkout, "pyproject.toml")) and os.path.isdir(os.path.join(checkout, "grammar")):
         return checkout
-    return Path(__file__).resolve().parents[1] / "_data"
+    return os.path.join(package, "_data")
 
 
 def grammar_text(name: str) -> str:
     """The text of ``grammar/NAME.lark``."""
-    return (data_root() / "grammar" / f"{name}.lark").read_text(encoding="utf-8")
+    with open(os.path.join(_root(), "grammar", f"{name}.lark"), encoding="utf-8") as file:
+        return file.read()
 
 
 def template_text(name: str) -> str:

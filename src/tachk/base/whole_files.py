@@ -6,10 +6,12 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
-from typing import BinaryIO, TextIO
+from typing import TYPE_CHECKING, BinaryIO, TextIO
 
 from tachk.base.unfinished_files import UNFINISHED, own_prefix, remove
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _TRIES = 100
 
@@ -20,6 +22,8 @@ def whole_file(path: Path) -> Iterator[Path]:
 
     A device or a pipe is written to as it is, and so is a file in a folder that takes no new ones. Raises OSError.
     """
+    from pathlib import Path
+
     target = Path(os.path.realpath(path))
     part = _empty_part(target) if target.is_file() or not target.exists() else None
     if part is None:

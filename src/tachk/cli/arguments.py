@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import closest
@@ -50,18 +49,18 @@ def split_models_and_queries(arguments: Sequence[str]) -> tuple[tuple[str, ...],
 
 
 def _is_model(argument: str) -> bool:
-    path = Path(argument)
     # Unlike the methods of Path, these take everything that is not a path, such as a long query, for no file.
     if os.path.exists(argument) and not os.path.isdir(argument):
-        if path.suffix in QUERY_SUFFIXES:
+        if os.path.splitext(argument)[1] in QUERY_SUFFIXES:
             raise UsageError(f"{argument} is a file of queries", f"give it with -q: -q {argument}")
         return True
     if os.path.isdir(argument):
-        inside = sorted(str(p) for p in path.iterdir() if p.suffix in MODEL_SUFFIXES)
+        names = (name for name in os.listdir(argument) if os.path.splitext(name)[1] in MODEL_SUFFIXES)
+        inside = sorted(os.path.normpath(os.path.join(argument, name)) for name in names)
         models = ", ".join(inside[:5]) or "none"
         raise UsageError(f"{argument} is a folder, not a model", f"models in it: {models}")
     if argument.endswith((*MODEL_SUFFIXES, *QUERY_SUFFIXES)) and not re.search(r"\s", argument):
-        raise UsageError(f"there is no file {argument}", _similar_files(path))
+        raise UsageError(f"there is no file {argument}", _similar_files(argument))
     refuse_setting(argument, "-D")
     if not _QUERY_OPERATOR.search(argument):
         raise UsageError(
@@ -77,12 +76,12 @@ def refuse_setting(argument: str, option: str) -> None:
         raise UsageError(f"{argument!r} is not a query", f"to set a constant: {option} {argument.replace(' ', '')}")
 
 
-def _similar_files(path: Path) -> str | None:
-    if not path.parent.is_dir():
-        return f"there is no folder {path.parent}"
-    names = [p.name for p in path.parent.iterdir()]
-    close = closest(path.name, names)
-    return f"did you mean {path.with_name(close)}?" if close else None
+def _similar_files(path: str) -> str | None:
+    folder, name = os.path.split(path)
+    if not os.path.isdir(folder or "."):
+        return f"there is no folder {folder}"
+    close = closest(name, os.listdir(folder or "."))
+    return f"did you mean {os.path.join(folder, close)}?" if close else None
 
 
 def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from tachk.base.whole_files import whole_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @contextmanager

@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Mapping, Sequence
 from enum import Enum
-from pathlib import Path
 
 from tachk.base.records import dataclass
 
@@ -78,6 +77,8 @@ def plain_values(words: Sequence[str], forms: Collection[str]) -> Mapping[str, o
         if option.kind is Kind.FILE:
             if _is_unreadable(text):
                 return None
+            from pathlib import Path  # takes as long as twenty modules here
+
             value = Path(text)
         before = given.get(option.parameter, ())
         assert isinstance(before, tuple | str)

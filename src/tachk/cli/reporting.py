@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tachk.base.records import dataclass
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 class EvidenceChoice(StrEnum):

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tachk.base.diagnostics.diagnostic import UsageError
@@ -24,6 +23,8 @@ from tachk.engine.options import Limits, Options, Pace
 from tachk.report.run.display import RunDisplay
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from tachk.api import model as api
     from tachk.cli.run_report import RunReport
     from tachk.report.record import RunRecord

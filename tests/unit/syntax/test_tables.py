@@ -38,7 +38,7 @@ def test_the_tables_of_another_grammar_are_not_taken(cache_folder: Path) -> None
     (stored,) = cache_folder.iterdir()
     other = tables._cache_path(f'{tables._FORMAT}\nstart\nstart: "b"')
     assert other is not None
-    stored.rename(other)
+    stored.rename(Path(other))
     assert tables.cached_grammar('start: "b"', ("start",)).terminals[0].text == "b"
 
 

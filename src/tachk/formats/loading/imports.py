@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
-from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.records import dataclass, field
@@ -26,13 +26,12 @@ class Importer:
 
     findings: DiagnosticCollector
     strict_xta: bool = False
-    unfinished: list[Path] = field(default_factory=list)
-    done: set[Path] = field(default_factory=set)
+    unfinished: list[str] = field(default_factory=list)
+    done: set[str] = field(default_factory=set)
 
     def read(self, source: Source) -> tuple[ast.Document | None, list[ast.Item]]:
         """The document, and its items with the imported ones in the places of their imports."""
-        path = Path(source.name).absolute()
-        self.unfinished.append(path.resolve())
+        self.unfinished.append(os.path.realpath(source.name))
         if is_tchecker(source):
             from tachk.formats.tchecker.reader import parse_tchecker
 
@@ -41,7 +40,7 @@ class Importer:
             document, diagnostics = parse_document(source, self.strict_xta)
         imported: dict[str, list[ast.Item]] = {}
         for node in _imports(document):
-            imported.setdefault(node.path, []).extend(self._import(node, path.parent))
+            imported.setdefault(node.path, []).extend(self._import(node, os.path.dirname(source.name)))
         words = _keywords_as_types(item for items in imported.values() for item in items)
         if words:
             # The meaning of the text depends on these words not being keywords, so it is read again.
@@ -56,11 +55,12 @@ class Importer:
         self.done.add(self.unfinished.pop())
         return document, items
 
-    def _import(self, node: ast.ImportDeclaration, folder: Path) -> list[ast.Item]:
-        path = folder / node.path
-        resolved = path.resolve()
+    def _import(self, node: ast.ImportDeclaration, folder: str) -> list[ast.Item]:
+        path = os.path.join(os.getcwd(), folder, node.path)
+        resolved = os.path.realpath(path)
         if resolved in self.unfinished:
-            names = " -> ".join(p.name for p in (*self.unfinished[self.unfinished.index(resolved) :], resolved))
+            circle = (*self.unfinished[self.unfinished.index(resolved) :], resolved)
+            names = " -> ".join(map(os.path.basename, circle))
             self.findings.add("E0416", node.span, f"files import each other: {names}", "move what both need to a third")
             return []
         if resolved in self.done:
@@ -103,9 +103,11 @@ def _keywords_as_types(items: Iterable[ast.Item]) -> frozenset[str]:
     )
 
 
-def _shown(path: Path) -> str:
+def _shown(path: str) -> str:
     """A path as messages print it: relative to the current folder where it lies inside."""
+    from pathlib import Path  # of no use to most models
+
     try:
-        return str(path.resolve().relative_to(Path.cwd()))
+        return str(Path(path).resolve().relative_to(Path.cwd()))
     except ValueError:
-        return str(path)
+        return str(Path(path))

@@ -13,7 +13,6 @@ import zlib
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
-from pathlib import Path
 
 from tachk.base.resources import grammar_text
 from tachk.syntax.building.build import Builder
@@ -85,14 +84,12 @@ def terminal_spelling() -> dict[str, str]:
     return {name: text for text, name in (*cutter.keywords.items(), *cutter.symbols.items())}
 
 
-def _cache_path(key: str) -> Path | None:
+def _cache_path(key: str) -> str | None:
     """The file for the tables of a grammar; None if there is no home directory."""
-    root = os.environ.get("XDG_CACHE_HOME")
-    try:
-        folder = Path(root) if root else Path.home() / ".cache"
-    except RuntimeError:
+    folder = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    if folder.startswith("~"):
         return None
-    return folder / "tachk" / f"grammar-{zlib.crc32(key.encode()):08x}.bin"
+    return os.path.join(folder, "tachk", f"grammar-{zlib.crc32(key.encode()):08x}.bin")
 
 
 class _StoredRows(dict[int, dict[str, int]]):
@@ -107,8 +104,9 @@ class _StoredRows(dict[int, dict[str, int]]):
         return row
 
 
-def _load(path: Path, key: str) -> Grammar:
-    content = path.read_bytes()
+def _load(path: str, key: str) -> Grammar:
+    with open(path, "rb") as file:
+        content = file.read()
     checksum, plain = content[:_CHECKSUM_BYTES], content[_CHECKSUM_BYTES:]
     if checksum != _checksum(plain):  # `marshal` may crash where the content is not its own
         raise ValueError("damaged")
@@ -124,7 +122,7 @@ def _checksum(plain: bytes) -> bytes:
     return zlib.crc32(plain).to_bytes(_CHECKSUM_BYTES, "big")
 
 
-def _store(grammar: Grammar, path: Path, key: str) -> None:
+def _store(grammar: Grammar, path: str, key: str) -> None:
     """Write the tables beside their place and move them there, so that no reader sees half a file."""
     import tempfile  # takes hashlib with it
 
@@ -132,8 +130,9 @@ def _store(grammar: Grammar, path: Path, key: str) -> None:
     plain = marshal.dumps(
         (key, [*map(tuple, grammar.terminals)], [*map(tuple, grammar.rules)], rows, grammar.starts, grammar.ends)
     )
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name)
+    folder, name = os.path.split(path)
+    os.makedirs(folder, 0o700, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=folder, prefix=name)
     try:
         with os.fdopen(handle, "wb") as stream:
             stream.write(_checksum(plain) + plain)
