@@ -176,8 +176,11 @@ SLOW = {
     *(f"tachk.cli.{name}" for name in ("commands.verify", "main", "options")),
     *(f"tachk.engine.{name}" for name in ("guided_search", "local_times", "simulated_runs", "exact.exact_run")),
     *(f"tachk.engine.symmetry.{name}" for name in ("abstract_values", "alone", "detection", "terms")),
-    *(f"tachk.frontend.{name}" for name in ("hybrid_clocks", "recordings", "templates.switched_off")),
-    *(f"tachk.syntax.parsing.{name}" for name in ("messages", "old_precedence", "strict")),
+    *(f"tachk.base.{name}" for name in ("frames", "notebook", "time_units", "whole_files")),
+    *(f"tachk.frontend.{name}" for name in ("declarations.functions", "hybrid_clocks", "recordings")),
+    *(f"tachk.syntax.{name}" for name in ("picture_layout", "printing.expression_printer")),
+    *(f"tachk.syntax.parsing.{name}" for name in ("messages", "old_precedence", "situation", "strict")),
+    "tachk.frontend.templates.switched_off",
     *(f"tachk.transform.{name}" for name in ("guided",)),
     *(f"tachk.verify.{name}" for name in ("along_path", "time_optimal")),
 }

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, overload
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
-from tachk.base.frames import data_frame
-from tachk.base.notebook import folded, html_table
 from tachk.base.records import dataclass, field, replace
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.frontend.queries.queries import UncheckedQuery
@@ -82,6 +80,8 @@ class Estimates(Sequence["Estimate"]):
 
     def to_frame(self) -> Any:
         """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        from tachk.base.frames import data_frame
+
         return data_frame(self.to_rows())
 
     def to_text(self) -> str:
@@ -100,6 +100,8 @@ class Estimates(Sequence["Estimate"]):
         return f"<Estimates of {self.model}: {', '.join(answers)}>"
 
     def _repr_html_(self) -> str:
+        from tachk.base.notebook import folded, html_table
+
         columns = ("query", "formula", "answer", "confidence", "runs")
         rows = [[row[name] for name in columns] for row in self.to_rows()]
         return f"{html_table(columns, rows, self.model)}\n{folded('in words', self.to_text())}"

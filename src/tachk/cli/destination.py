@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TextIO
 
-from tachk.base.whole_files import whole_text
-
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -17,6 +15,8 @@ if TYPE_CHECKING:
 def destination(output: Path | None, quiet: bool = False) -> Iterator[TextIO | None]:
     """The file of a report, which appears when the report is whole; without one standard output, or None if quiet."""
     if output is not None:
+        from tachk.base.whole_files import whole_text
+
         with whole_text(output) as file:
             yield file
     else:

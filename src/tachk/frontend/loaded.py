@@ -11,19 +11,18 @@ from tachk.base.span import Source
 from tachk.frontend.context import Budget, Context
 from tachk.frontend.elaborate import elaborate_each_property
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.overrides import constant_overrides
 from tachk.frontend.priority_interpretations import other_interpretations
 from tachk.frontend.queries.queries import UncheckedQuery, elaborate_entries
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Variable
 from tachk.model.network import Network
 from tachk.model.query import Query
-from tachk.model.recording import RecordingMap
 from tachk.syntax import ast
-from tachk.syntax.picture_layout import Layout
 
 if TYPE_CHECKING:
+    from tachk.model.recording import RecordingMap
     from tachk.syntax.formula import Formula
+    from tachk.syntax.picture_layout import Layout
 
 INSTANCES = 2**16
 """Quantifiers are written out at most that many times in one model."""
@@ -127,6 +126,7 @@ def with_constants(
         UsageError: there is no such constant.
     """
     from tachk.frontend.open_constants import OpenConstants
+    from tachk.frontend.overrides import constant_overrides
 
     findings = DiagnosticCollector()
     given = constant_overrides(values, loaded.items, findings)

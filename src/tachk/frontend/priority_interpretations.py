@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
 from tachk.syntax import ast
-from tachk.syntax.printing.expression_printer import print_expressions
 
 FIRST = "below all others"
 """The interpretation that is taken where only one can be: what is not listed comes last."""
@@ -53,6 +52,8 @@ _Groups = tuple[tuple[ast.Expression, ...], ...]
 
 
 def _places(groups: _Groups, default: ast.Expression) -> Iterator[tuple[str, _Groups]]:
+    from tachk.syntax.printing.expression_printer import print_expressions
+
     for at, group in enumerate(groups):
         name = print_expressions(group)
         yield f"as high as {name}", (*groups[:at], (*group, default), *groups[at + 1 :])

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, overload
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import unknown_key
-from tachk.base.frames import data_frame
 from tachk.base.records import dataclass
 from tachk.report.record import RunRecord
 from tachk.verify.verdict import Verdict
@@ -116,6 +115,8 @@ class Report(Sequence[Verdict]):
 
     def to_frame(self) -> Any:
         """`to_rows` as a `pandas.DataFrame`. Raises UsageError where pandas is not installed."""
+        from tachk.base.frames import data_frame
+
         return data_frame(self.to_rows())
 
     def to_text(self, every_trace: bool = False, clocks: bool = False) -> str:

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 
 from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.job import unhurried
-from tachk.base.notebook import html_table
 from tachk.base.records import dataclass, field, replace
 from tachk.base.words import QueryKind
 from tachk.engine.outcome import Statistics
-from tachk.model.quantity import duration
 from tachk.model.query import Expectation, Query
 from tachk.model.run import RunTimeFault, TimedTrace, Transition
 
@@ -70,6 +68,8 @@ class Extremes:
         Args:
             unit: of the expression, if it is a clock.
         """
+        from tachk.model.quantity import duration
+
         both = ((self.least, "≥", ">", "least"), (self.largest, "≤", "<", "largest"))
         return [
             f"{self.expression} has no {name} value"
@@ -132,6 +132,8 @@ class Verdict:
         return f"<Verdict {self.query.name}: {self.in_words}, {self.query.text}>"
 
     def _repr_html_(self) -> str:
+        from tachk.base.notebook import html_table
+
         states, steps = self.statistics.states_stored, None if self.trace is None else len(self.trace.steps)
         row = (self.query.name, self.query.text, self.in_words, states, steps)
         return html_table(["property", "formula", "answer", "states", "steps of the run"], [row])

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from tachk.base.operators import CONSTANT_HIGH
 from tachk.base.records import dataclass, field, replace
 from tachk.frontend.context import Context
-from tachk.frontend.declarations.functions import declare_function, declare_types
 from tachk.frontend.dropped import (
     FLOATING_CONSTANT,
     FLOATING_VARIABLE,
@@ -82,8 +81,12 @@ def declare(
             case ast.VariableDeclaration():
                 _declare_variables(item, scope, declared, context)
             case ast.TypedefDeclaration():
+                from tachk.frontend.declarations.functions import declare_types
+
                 declare_types(item, scope, context)
             case ast.FunctionDeclaration():
+                from tachk.frontend.declarations.functions import declare_function
+
                 declare_function(item, scope, context)
             case ast.ChannelPriorityDeclaration(span):
                 if declared.owner:

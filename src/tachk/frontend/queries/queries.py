@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeGuard
+from typing import TYPE_CHECKING, TypeGuard
 
 from tachk.base.diagnostics.diagnostic import Diagnostic, Label
 from tachk.base.operators import BinaryOperator
@@ -22,7 +22,9 @@ from tachk.model.query import Expectation, Query, QueryDeadline
 from tachk.model.traversal import asks_deadlock, compares_clocks, walk
 from tachk.model.types import ClockType, ScalarType
 from tachk.syntax import ast
-from tachk.syntax.query_files import BrokenQuery
+
+if TYPE_CHECKING:
+    from tachk.syntax.query_files import BrokenQuery
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,6 +256,8 @@ def elaborate_entries(
 ) -> tuple[tuple[Query, ...], tuple[UncheckedQuery, ...]]:
     """The queries of a .q file or command line, named ``q1``, ``q2``, ... in order, or from ``first`` on. A wrong one
     is an unchecked query and no finding of the context."""
+    from tachk.syntax.query_files import BrokenQuery
+
     queries, unchecked = [], []
     for number, entry in enumerate(entries, first):
         name = f"q{number}"

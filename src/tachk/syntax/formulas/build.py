@@ -15,7 +15,6 @@ from tachk.base.diagnostics.diagnostic import Diagnostic
 from tachk.base.operators import BinaryOperator, PrefixOperator
 from tachk.base.records import dataclass
 from tachk.base.span import Span
-from tachk.base.time_units import SPELLINGS, UNITS
 from tachk.syntax import ast
 from tachk.syntax.building.build_expressions import Children, span_of
 from tachk.syntax.chains import LONGEST_FROM_LEFT
@@ -120,6 +119,8 @@ class FormulaBuilder:
         return MalformedPart(span, Diagnostic("E0130", message, span, help_))
 
     def duration(self, children: Children) -> Duration | MalformedPart:
+        from tachk.base.time_units import UNITS
+
         expression, unit = children
         if unit is not None and unit.text not in UNITS:
             return MalformedPart(unit.span, unknown_unit(unit.text, unit.span))
@@ -134,6 +135,8 @@ class FormulaBuilder:
 
 def unknown_unit(unit: str, span: Span) -> Diagnostic:
     """The diagnostic for a word that is not a unit of time."""
+    from tachk.base.time_units import SPELLINGS, UNITS
+
     meant = SPELLINGS.get(unit.lower()) or ("min" if unit == "m" else None)
     help_ = f"did you mean '{meant}'?" if meant else f"the units are {', '.join(UNITS)}"
     return Diagnostic("E0135", f"'{unit}' is not a unit of time", span, help_)

@@ -15,7 +15,6 @@ from tachk.base.job import check_job
 from tachk.base.span import Span
 from tachk.syntax.parsing.lalr import Stack, UnexpectedToken
 from tachk.syntax.parsing.misplaced import Misplaced
-from tachk.syntax.parsing.situation import ParseSituation
 from tachk.syntax.parsing.tables import lexer, tables
 from tachk.syntax.parsing.tokens import END, Token
 
@@ -81,6 +80,8 @@ class _ParserPass:
 
     def recover(self, index: int) -> int | None:
         """Report the unexpected token and get past it; the index to go on with, or None to give up."""
+        from tachk.syntax.parsing.situation import ParseSituation
+
         self.recoveries += 1
         supplied = self.missing_token(index)
         if index != self.resumed_at:
