@@ -30,6 +30,8 @@ from tachk.model.variable_layout import default_values
 
 _Limit = tuple[int, Range]
 """The shift of a node of an index type, and numbers that are limited there."""
+_PredicateSet = tuple[Sequence[Term], Sequence[Hashable], dict[Atom, list[int]]]
+"""The parts of a predicate, what each is without a renaming, and the numbers of those that mention an atom."""
 
 
 @dataclass(slots=True)
@@ -60,7 +62,7 @@ class NetworkTerms:
     _touched: dict[Atom, list[tuple[int, bool, int]]] = field(default_factory=dict)
     _limits: dict[int, tuple[list[_Limit], list[_Limit], list[_Limit]]] = field(default_factory=dict)
     _of_index_type: dict[int, list[Variable]] = field(default_factory=dict)
-    _predicate_sets: list[tuple[Sequence[Term], dict[Atom, list[int]]]] = field(default_factory=list)
+    _predicate_sets: list[_PredicateSet] = field(default_factory=list)
 
     @property
     def index_types(self) -> IndexTypes:
@@ -93,7 +95,8 @@ class NetworkTerms:
             for number, part in enumerate(parts):
                 for atom in set(self.atoms(flat([part]))):
                     mentioning.setdefault(atom, []).append(number)
-            self._predicate_sets.append((parts, mentioning))
+            images = [self._term_image(part, Renaming()) for part in parts]
+            self._predicate_sets.append((parts, images, mentioning))
 
     def with_predicates(self, predicates: Sequence[Expression]) -> NetworkTerms | None:
         """The same network with these predicates; None if they constrain the numbers in the network more than it does
@@ -162,7 +165,7 @@ class NetworkTerms:
         """The reason why no renaming that moves the processes so keeps the predicates, as far as the processes named in
         tests of locations show; or None."""
         moved = Renaming(processes).atoms()
-        for parts, mentioning in self._predicate_sets:
+        for parts, _, mentioning in self._predicate_sets:
             touched = [parts[number] for number in {number for atom in moved for number in mentioning.get(atom, ())}]
             if Counter(_tests(part, {}) for part in touched) != Counter(_tests(part, processes) for part in touched):
                 return AsymmetryReason("the query distinguishes them")
@@ -321,11 +324,10 @@ class NetworkTerms:
         return {(process, number) for process, is_edge, number in self._places(atoms) if is_edge}
 
     def _predicate_objection(self, renaming: Renaming, moved: Mapping[Atom, Atom]) -> AsymmetryReason | None:
-        for parts, mentioning in self._predicate_sets:
+        for parts, images, mentioning in self._predicate_sets:
             numbers = sorted({number for atom in moved for number in mentioning.get(atom, ())})
-            touched = [parts[number] for number in numbers]
-            before = Counter(self._term_image(part, Renaming()) for part in touched)
-            if before != Counter(self._term_image(part, renaming) for part in touched):
+            before = Counter(images[number] for number in numbers)
+            if before != Counter(self._term_image(parts[number], renaming) for number in numbers):
                 return AsymmetryReason("the query distinguishes them")
         return None
 
