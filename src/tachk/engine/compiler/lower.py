@@ -49,6 +49,7 @@ from tachk.model.floating import DOUBLE
 from tachk.model.floating_calls import constant_number
 from tachk.model.network import Chance, Edge, Location, Network, Process
 from tachk.model.remembered import by_network_where
+from tachk.model.traversal import walk
 from tachk.model.types import ChannelType, ClockType, leaves
 from tachk.model.variable_layout import slot_range
 
@@ -69,7 +70,9 @@ def lower(
     The clock bounds of the program cover all the predicates. Raises InputError for an initial value outside its range
     and UnsupportedError for what the engine cannot represent.
     """
-    return _program_and_goals(network, tuple(predicates), tuple(tables))
+    # Equal predicates of other places in the text have other programs, for these say where a run-time error is.
+    places = tuple(node.span for predicate in predicates for node in walk(predicate))
+    return _program_and_goals(network, tuple(predicates), tuple(tables), places)
 
 
 _FEW_EDGES = 1_000
@@ -82,7 +85,7 @@ def _is_small(compiled: tuple[Program, tuple[Goal, ...]]) -> bool:
 
 @by_network_where(_is_small)
 def _program_and_goals(
-    network: Network, predicates: tuple[Expression, ...], tables: tuple[Variable, ...]
+    network: Network, predicates: tuple[Expression, ...], tables: tuple[Variable, ...], places: tuple[Span, ...]
 ) -> tuple[Program, tuple[Goal, ...]]:
     known = known_values(network, predicates)
     lowering = _lowered(network, known, tables, never_taken(network))
