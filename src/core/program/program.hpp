@@ -46,12 +46,17 @@ class SlotSet {
     set.groups_ = UINT64_MAX;
     return set;
   }
-  void add(std::size_t slot) { groups_ |= std::uint64_t{1} << (slot / group_size % 64); }
+  // Slots come in groups; the groups whose numbers are equal modulo 64 are one here.
+  static constexpr std::size_t group_size = 8;
+  static std::size_t group_of(std::size_t slot) { return slot / group_size; }
+
+  void add(std::size_t slot) { groups_ |= std::uint64_t{1} << (group_of(slot) % 64); }
   void add(const SlotSet& other) { groups_ |= other.groups_; }
   bool meets(const SlotSet& other) const { return (groups_ & other.groups_) != 0; }
+  // The groups with a member, as bits.
+  std::uint64_t groups() const { return groups_; }
 
  private:
-  static constexpr std::size_t group_size = 8;
   std::uint64_t groups_ = 0;
 };
 

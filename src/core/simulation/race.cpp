@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tachk::simulation {
 
@@ -54,24 +55,13 @@ void Openings::add(Window window, bool urgent) {
   last = std::max(last, window.last);
 }
 
-std::pair<Ticks, Ticks> Race::next_moments() const {
-  Ticks first = never;
-  Ticks limit = never;
-  for (std::size_t p = 0; p < due_.size(); ++p) {
-    first = std::min(first, due_[p]);
-    limit = std::min(limit, limit_[p]);
-  }
-  return {first, limit};
-}
-
 std::size_t Race::winner_at(Ticks moment, Random& random) const {
   std::size_t winner = 0;
   std::uint64_t ties = 0;
-  for (std::size_t p = 0; p < due_.size(); ++p) {
-    if (due_[p] != moment) continue;
+  due_.for_each_at(moment, [&](std::size_t process) {
     ++ties;
-    if (ties == 1 || random.below(ties) == 0) winner = p;
-  }
+    if (ties == 1 || random.below(ties) == 0) winner = process;
+  });
   return winner;
 }
 
@@ -80,19 +70,16 @@ void Race::resume(Present& present) {
 }
 
 void Race::refresh_parked(Present& present) {
-  for (std::size_t p = 0; p < waits_.size(); ++p)
-    if (waits_[p] == Wait::parked) refresh(present, p);
+  parked_.for_each([&](std::size_t process) { refresh(present, process); });
 }
 
 void Race::refresh(Present& present, std::size_t process) {
   const LocationTables& here = present.place(process);
-  waits_[process] = Wait::to_act;
-  due_[process] = never;
-  limit_[process] = never;
-  if (here.freezes()) return;
   present.lookahead = never;
-  if (here.dependencies.has_invariant)
-    limit_[process] = present.end_of(here.location->invariant, present.now + first_lookahead * present.unit());
+  if (here.freezes()) return wait_for(present, process, {}, never, Wait::to_act);
+  const Ticks limit = here.dependencies.has_invariant
+                          ? present.end_of(here.location->invariant, present.now + first_lookahead * present.unit())
+                          : never;
   Openings openings;
   for (const auto& [number, first_test] : here.outputs) {
     if (!present.may_hold(first_test)) continue;
@@ -101,14 +88,15 @@ void Race::refresh(Present& present, std::size_t process) {
     const Window own = present.window(guard, present.now);
     if (!own.empty()) openings.add(own, acts_at_once(present, number));
   }
-  wait_for(present, process, openings, Wait::to_act);
+  wait_for(present, process, openings, limit, Wait::to_act);
 }
 
 void Race::park(Present& present, std::size_t process) {
   const LocationTables& here = present.place(process);
   present.lookahead = never;
-  if (!here.location->invariant.flow.empty())
-    limit_[process] = present.end_of(here.location->invariant, present.now + first_lookahead * present.unit());
+  const Ticks limit = here.location->invariant.flow.empty()
+                          ? limit_[process]
+                          : present.end_of(here.location->invariant, present.now + first_lookahead * present.unit());
   Openings openings;
   for (const auto& [number, first_test] : here.outputs) {
     if (!present.may_hold(first_test)) continue;
@@ -121,32 +109,33 @@ void Race::park(Present& present, std::size_t process) {
     const Ticks opening = next_opening(present, number, own);
     if (opening != never) openings.add({opening, own.last}, acts_at_once(present, number));
   }
-  wait_for(present, process, openings, Wait::parked);
+  wait_for(present, process, openings, limit, Wait::parked);
 }
 
 // Draws when the process acts that may do so from one moment to another. A process whose hybrid clocks have to be
 // followed farther looks again: what it draws then is distributed alike, for it is exponential.
-void Race::wait_for(Present& present, std::size_t process, const Openings& openings, Wait wait) {
+void Race::wait_for(Present& present, std::size_t process, const Openings& openings, Ticks limit, Wait wait) {
   const auto& [first, last, at_once] = openings;
-  Ticks& due = due_[process];
-  Ticks& limit = limit_[process];
-  waits_[process] = wait;
   if (first < never) {
     present.lookahead = never;
     if (limit == never)
       limit = present.end_of(present.place(process).location->invariant, present.now + far * present.unit());
   }
-  due = first < never && first <= limit ? drawn(present, process, first, last) : never;
+  Ticks due = first < never && first <= limit ? drawn(present, process, first, last, limit) : never;
   if (at_once <= limit) due = std::min(due, at_once);
-  if (present.lookahead >= std::min(due, limit)) return;
-  due = std::max(present.lookahead, present.now + 1);
-  waits_[process] = Wait::to_resume;
+  if (present.lookahead < std::min(due, limit)) {
+    due = std::max(present.lookahead, present.now + 1);
+    wait = Wait::to_resume;
+  }
+  due_.set(process, due);
+  limit_.set(process, limit);
+  if ((std::exchange(waits_[process], wait) == Wait::parked) != (wait == Wait::parked))
+    wait == Wait::parked ? parked_.add(process) : parked_.remove(process);
 }
 
 // A moment from `first` on; behind `last` the guards are false, and behind its limit the invariant.
-Ticks Race::drawn(Present& present, std::size_t process, Ticks first, Ticks last) const {
+Ticks Race::drawn(Present& present, std::size_t process, Ticks first, Ticks last, Ticks limit) {
   const Policy policy = present.policy;
-  const Ticks limit = limit_[process];
   const Ticks bound = policy == Policy::stochastic ? limit : std::min(limit, last);
   if (policy == Policy::earliest) return first;
   if (bound < never) {

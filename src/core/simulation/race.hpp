@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "simulation/moments.hpp"
 #include "simulation/present.hpp"
+#include "simulation/process_set.hpp"
 
 namespace tachk::simulation {
 
@@ -27,7 +29,7 @@ struct Openings {
 
 class Race {
  public:
-  explicit Race(std::size_t processes) : due_(processes), limit_(processes), waits_(processes) {}
+  explicit Race(std::size_t processes) : due_(processes), limit_(processes), waits_(processes), parked_(processes) {}
 
   // Draws when the process acts if nothing changes, by its own guards: receivers are checked when the
   // moment has come. Without one it is parked: it waits for the next moment when a receiver may be there, and draws
@@ -40,9 +42,9 @@ class Race {
   void refresh_parked(Present& present);
 
   // The moment of the next action that is drawn, and the one at which an invariant ends.
-  std::pair<flow::Ticks, flow::Ticks> next_moments() const;
-  // The process that acts at the moment: drawn only when it has come, so that a run that is stopped before and goes on
-  // is the same.
+  std::pair<flow::Ticks, flow::Ticks> next_moments() const { return {due_.least(), limit_.least()}; }
+  // The process that acts at the moment of the next action: drawn only when it has come, so that a run that is stopped
+  // before and goes on is the same.
   std::size_t winner_at(flow::Ticks moment, Random& random) const;
   bool is_due(std::size_t process, flow::Ticks now) const {
     return due_[process] == now && waits_[process] != Wait::to_resume;
@@ -50,12 +52,14 @@ class Race {
   bool resumes(std::size_t process) const { return waits_[process] == Wait::to_resume; }
 
  private:
-  void wait_for(Present& present, std::size_t process, const Openings& openings, Wait wait);
-  flow::Ticks drawn(Present& present, std::size_t process, flow::Ticks first, flow::Ticks last) const;
+  void wait_for(Present& present, std::size_t process, const Openings& openings, flow::Ticks limit, Wait wait);
+  static flow::Ticks drawn(Present& present, std::size_t process, flow::Ticks first, flow::Ticks last,
+                           flow::Ticks limit);
 
-  std::vector<flow::Ticks> due_;    // when it acts
-  std::vector<flow::Ticks> limit_;  // when its invariant ends
+  Moments due_;    // when it acts
+  Moments limit_;  // when its invariant ends
   std::vector<Wait> waits_;
+  ProcessSet parked_;  // those that wait so
 };
 
 }  // namespace tachk::simulation

@@ -55,7 +55,9 @@ class Simulator {
   // The arguments must outlive it.
   Simulator(const program::Program& program, const flow::Chances& chances, const Tables& tables, Policy policy,
             flow::Ticks ticks_per_unit = flow::finest_ticks)
-      : present_(program, chances, tables, policy, ticks_per_unit), race_(program.processes.size()) {}
+      : present_(program, chances, tables, policy, ticks_per_unit),
+        race_(program.processes.size()),
+        transition_(program.processes.size()) {}
 
   // Begins the run with this number. False if its initial state breaks an invariant. Throws ModelFault.
   bool begin(std::uint64_t seed, std::uint64_t run) { return begin(Random(seed, run)); }

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "flow/chances.hpp"
+#include "machine/code_accesses.hpp"
 #include "program/program.hpp"
+#include "simulation/process_set.hpp"
 
 namespace tachk::simulation {
 
@@ -60,6 +62,13 @@ struct LocationTables {
   bool freezes() const { return dependencies.urgent || dependencies.committed; }
 };
 
+// The processes of which some location depends on a clock or a slot, whatever the location is in which they are.
+struct Readers {
+  std::vector<ProcessSet> of_clock;  // by its number
+  std::vector<ProcessSet> of_slots;  // by the group of slots, `program::SlotSet::group_of`
+  ProcessSet of_flow{0};             // of hybrid clocks
+};
+
 constexpr std::uint64_t clock_group(std::size_t clock) { return std::uint64_t{1} << (clock % 64); }
 
 struct Tables {
@@ -72,10 +81,16 @@ struct Tables {
   std::vector<LocationTables> places;
   std::vector<std::size_t> first_place;                  // of each process
   std::vector<std::vector<std::uint32_t>> receivers_of;  // of each channel: the processes that may receive
+  Readers readers;
   std::vector<std::uint32_t> meta_slots;
   std::vector<std::uint32_t> urgent_senders;  // the processes that may send over urgent channels
   bool has_branches = false;                  // some edges share a way into a branchpoint
   bool reads_locations = false;               // some guard does
+
+ private:
+  void add_edge(const program::Program& program, std::uint32_t number);
+  void add_dependencies(const program::Program& program, std::size_t process, LocationTables& place,
+                        machine::CodeAccesses& accesses);
 };
 
 }  // namespace tachk::simulation

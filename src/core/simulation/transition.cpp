@@ -1,6 +1,7 @@
 #include "simulation/transition.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace tachk::simulation {
 
@@ -10,7 +11,7 @@ using program::no_code;
 using zones::ClockReset;
 
 bool Transition::begin(Present& present) {
-  *this = {};
+  *this = Transition(present.processes());
   if (present.program.has_stopwatches) switch_clocks(present);
   present.update_all_dependencies();
   for (std::size_t p = 0; p < present.processes(); ++p) concerned_.push_back(p);
@@ -91,11 +92,34 @@ void Transition::find_concerned(const Present& present, std::span<const std::uin
   concerned_.clear();
   for (const std::uint32_t number : action) concerned_.push_back(present.program.edges[number].process);
   const std::size_t participants = concerned_.size();
-  for (std::size_t p = 0; p < present.processes(); ++p) {
-    if (!touches(present.dependencies[p])) continue;
+  const auto examine = [&](std::size_t p) {
+    if (!touches(present.dependencies[p])) return;
     const auto end = concerned_.begin() + static_cast<std::ptrdiff_t>(participants);
     if (std::find(concerned_.begin(), end, p) == end) concerned_.push_back(p);
+  };
+  if (present.processes() <= few_processes) {
+    for (std::size_t p = 0; p < present.processes(); ++p) examine(p);
+    return;
   }
+  find_readers(present);
+  readers_.for_each(examine);
+}
+
+void Transition::find_readers(const Present& present) {
+  const Readers& readers = present.tables.readers;
+  readers_.clear();
+  for (const ClockReset& reset : resets_) readers_.add(readers.of_clock[reset.clock]);
+  for (const std::uint16_t clock : switched_) readers_.add(readers.of_clock[clock]);
+  if (flow_) readers_.add(readers.of_flow);
+  const std::size_t groups = readers.of_slots.size();
+  const auto changed = [&](std::size_t group) {
+    const std::size_t first = group * program::SlotSet::group_size;
+    const std::size_t last = std::min(first + program::SlotSet::group_size, slots_.size());
+    return !std::equal(slots_.data() + first, slots_.data() + last, present.values.slots.data() + first);
+  };
+  for (std::uint64_t written = written_.groups(); written != 0; written &= written - 1)
+    for (auto group = static_cast<std::size_t>(std::countr_zero(written)); group < groups; group += 64)
+      if (groups <= 64 || changed(group)) readers_.add(readers.of_slots[group]);
 }
 
 bool Transition::invariants_hold(Present& present) const {

@@ -7,12 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "simulation/moments.hpp"
 #include "simulation/present.hpp"
 
 namespace tachk::simulation {
 
 class Transition {
  public:
+  explicit Transition(std::size_t processes) : readers_(processes) {}
+
   // Makes the changes of the action; says whether invariants admit the state after it.
   bool enter(Present& present, std::span<const std::uint32_t> action);
   // Makes clocks run or stand as the initial locations want; says whether their invariants hold.
@@ -33,6 +36,7 @@ class Transition {
     return dependencies.reads.meets(written_) || (dependencies.clocks & clocks_) != 0 ||
            (flow_ && dependencies.depends_on_flow);
   }
+  void find_readers(const Present& present);
   bool invariants_hold(Present& present) const;
 
   program::SlotSet written_;
@@ -42,6 +46,7 @@ class Transition {
   std::vector<std::uint16_t> switched_;
   std::uint64_t clocks_ = 0;            // groups of those that were touched
   std::vector<std::size_t> concerned_;  // processes
+  ProcessSet readers_;                  // those of which some location depends on the change
   bool flow_ = false;
   bool under_way_ = false;
 };
