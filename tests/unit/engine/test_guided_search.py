@@ -17,7 +17,7 @@ from tachk.model.run import Transition
 from tachk.transform.blocking_processes import without_blocking
 from tachk.transform.guided import guided
 from tachk.transform.monotone_counters import monotone_counters
-from tachk.verify import over_approximations, reachability
+from tachk.verify import along_path, over_approximations
 
 MODEL = """
 int[0, 2] used = 0; int[0, 9] n = 0;
@@ -94,7 +94,7 @@ def test_after_an_interruption_no_query_is_begun(monkeypatch: pytest.MonkeyPatch
         return Outcome((GoalOutcome(Status.UNDECIDED),), Statistics(), INTERRUPTED)
 
     monkeypatch.setattr(over_approximations, "WORTH_CARRYING_OVER", 0)
-    monkeypatch.setattr(reachability, "explore_along", interrupted)
+    monkeypatch.setattr(along_path, "explore_along", interrupted)
     queries = ("E<> Main.B && Hearer.last == 2", "E<> Main.B && Hearer.last == 1")
     verdicts = tachk.loads(MODEL.replace("LEAVES", "")).verify(*queries)
     assert [verdict.reason for verdict in verdicts] == [INTERRUPTED, INTERRUPTED]
