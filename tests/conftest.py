@@ -35,7 +35,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "drawn(size=3): one test in SIZE of the module runs, drawn like random examples")
+    config.addinivalue_line(
+        "markers", "drawn(size=3): one in SIZE of the marked tests runs, drawn like random examples"
+    )
     Draw.number, Draw.times = config.option.seed, config.option.times
 
 
@@ -55,13 +57,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _left_out(items: list[pytest.Item]) -> set[str]:
-    """The tests of modules with the marker that were not drawn."""
-    modules: dict[tuple[str, int], list[str]] = {}
+    """The tests with the marker that were not drawn."""
+    marked: dict[int, list[str]] = {}
     for item in items:
         if marker := item.get_closest_marker("drawn"):
-            modules.setdefault((str(item.path), *(marker.args or (3,))), []).append(item.nodeid)
-    drawn = {test for (_, size), tests in modules.items() for test in one_in(size, tests)}
-    return {test for tests in modules.values() for test in tests} - drawn
+            marked.setdefault(*(marker.args or (3,)), []).append(item.nodeid)
+    drawn = {test for size, tests in marked.items() for test in one_in(size, tests)}
+    return {test for tests in marked.values() for test in tests} - drawn
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

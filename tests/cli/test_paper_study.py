@@ -7,6 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.drawn(8)
+
 STUDY = Path(__file__).parents[2] / "examples/paper/study.py"
 
 

@@ -14,6 +14,8 @@ import tachk
 from tachk.base.records import dataclass
 from tachk.cli.main import app
 
+pytestmark = pytest.mark.drawn
+
 
 @dataclass(frozen=True, slots=True)
 class PublicReport:

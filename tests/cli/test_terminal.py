@@ -14,6 +14,8 @@ import pytest
 
 from tachk.cli.terminal import wants_colour, width_of
 
+pytestmark = pytest.mark.drawn
+
 BROKEN = "process P() { init location a { to b; } location b; }\nsystem P;\nproperty safe : A[] P.a;\n"
 TWO = BROKEN + "property other : G (P.a -> F[0, 5] P.b);\n"
 

@@ -9,6 +9,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.drawn
+
 
 def test_nothing_is_a_defect(tmp_path: Path) -> None:
     # In a process of its own: a child that is forked has to come from one without threads.

@@ -60,7 +60,7 @@ def some(things: Sequence[T], count: int) -> list[T]:
 
 
 def one_in(size: int, tests: Sequence[str]) -> list[str]:
-    """One in so many tests of a module, drawn; all where nothing is drawn."""
+    """One in so many tests, drawn; all where nothing is drawn."""
     return some(tests, -(-len(tests) // size)) if number() else list(tests)
 
 

@@ -20,7 +20,10 @@ nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
 pytest.importorskip("ipykernel")
 pytest.importorskip("pandas")
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the kernel needs an event loop of another kind")
+pytestmark = [
+    pytest.mark.drawn,
+    pytest.mark.skipif(sys.platform == "win32", reason="the kernel needs an event loop of another kind"),
+]
 
 ROOT = Path(__file__).parents[3]
 FISCHER = ROOT / "models/classics/fischer.ta"

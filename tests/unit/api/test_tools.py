@@ -25,6 +25,8 @@ from tachk.api.tools.limits import DEFAULT_CEILINGS, ToolLimits
 from tachk.base.job import limited
 from tachk.base.optional_packages import MissingPackageError
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[3]
 FISCHER, GATE = (str(ROOT / f"models/classics/{name}.ta") for name in ("fischer", "train_gate"))
 NEEDS_MCP = pytest.mark.skipif(find_spec("mcp") is None, reason='needs pip install "tachk[mcp]"')

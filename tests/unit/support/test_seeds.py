@@ -40,9 +40,7 @@ def test_nothing_is_drawn_from_0(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(("count", "drawn"), [(7, 3), (1, 1), (0, 0)])
-def test_one_in_three_tests_of_a_module_is_drawn_and_each_comes(
-    count: int, drawn: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_in_three_tests_is_drawn_and_each_comes(count: int, drawn: int, monkeypatch: pytest.MonkeyPatch) -> None:
     tests = [f"a::{n}" for n in range(count)]
     rounds = []
     for seed in range(1, 40):

@@ -25,7 +25,10 @@ from tachk.verify.verdict import Answer, Verdict, none_begun
 
 ROOT = Path(__file__).resolve().parents[3]
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="there is one process on this system")
+pytestmark = [
+    pytest.mark.drawn,
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="there is one process on this system"),
+]
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,8 @@ from tachk.cli.main import app
 from tachk.report.page.results import chapter_of, read_result
 from tachk.report.statistics.text import interval_text
 
+pytestmark = pytest.mark.drawn
+
 ROOT = Path(__file__).parents[4]
 FISCHER = str(ROOT / "models/classics/fischer.ta")
 BRIDGE = """

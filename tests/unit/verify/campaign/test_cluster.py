@@ -11,6 +11,8 @@ import pytest
 import tachk
 from tachk.verify.campaign.run import Progress
 
+pytestmark = pytest.mark.drawn
+
 FISCHER = Path(__file__).parents[4] / "models/classics/fischer.ta"
 
 
