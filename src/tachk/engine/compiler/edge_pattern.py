@@ -224,8 +224,8 @@ def _cuts(part: Expression, variable: Variable, layout: SlotLayout) -> list[int]
 
 
 def _operands(part: Expression, variable: Variable) -> Iterator[tuple[Expression, Expression, LinearTerm, Expression]]:
-    """The largest linear terms of the variable in a condition or an update, each behind that of which it is an operand,
-    and with what stands beside it."""
+    """The largest linear terms of the variable in a condition or an update: for each the expression of which it is an
+    operand, the operand, the term, and the other operand."""
     for node in walk(part):
         match node:
             case Binary(operator, left, right) if operator not in CONNECTIVES and linear_term(node, variable) is None:
