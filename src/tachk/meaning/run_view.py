@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import compress
+from operator import ne
 
 from tachk.base.records import dataclass, replace
 from tachk.base.span import Span
@@ -47,6 +49,9 @@ class Snapshot:
     def __repr__(self) -> str:
         places = ", ".join(f"{process}.{location}" for process, location in self.locations)
         return f"<State {places}>" if self.time is None else f"<State at {self.time}: {places}>"
+
+
+_NamedValues = tuple[tuple[str, int | bool], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,18 +133,18 @@ class TraceView:
         variables."""
         if not self.hidden_processes:
             return self
+        places = [process not in self.hidden_processes for process, _ in self.initial.locations]
+        slots = [variable not in self.hidden_variables for variable, _ in self.initial.variables]
+
+        def shown(state: Snapshot) -> Snapshot:
+            locations, variables = compress(state.locations, places), compress(state.variables, slots)
+            return Snapshot(tuple(locations), tuple(variables), state.clocks, state.time)
+
         steps = (
-            replace(step, event=None if step.event is None else _shown_event(step.event), state=self._shown(step.state))
+            ViewStep(step.delay, None if step.event is None else _shown_event(step.event), shown(step.state))
             for step in self.steps
         )
-        return TraceView(self._shown(self.initial), tuple(steps), ending=self.ending, loop_start=self.loop_start)
-
-    def _shown(self, state: Snapshot) -> Snapshot:
-        return replace(
-            state,
-            locations=tuple(place for place in state.locations if place[0] not in self.hidden_processes),
-            variables=tuple(slot for slot in state.variables if slot[0] not in self.hidden_variables),
-        )
+        return TraceView(shown(self.initial), tuple(steps), ending=self.ending, loop_start=self.loop_start)
 
 
 def _shown_event(event: TransitionView) -> TransitionView:
@@ -214,7 +219,7 @@ class RunNames:
             if contains_double(variable.type)
             for slot in range(slot_count(variable.type))
         }
-        self._variables = [
+        variables = [
             (slot, name, isinstance(leaf, BoolType))
             for slot, (name, leaf, meta) in enumerate(
                 zip(self.layout.names, self.layout.types, self.layout.meta, strict=True)
@@ -228,6 +233,9 @@ class RunNames:
             )
             if meta and slot not in numbers and not isinstance(leaf, ClockType | ChannelType)
         ]
+        self._shown_at = {slot: (position, name, flag) for position, (slot, name, flag) in enumerate(variables)}
+        self._last_values: tuple[tuple[int, ...], _NamedValues] = ((), (("", 0),) * len(variables))
+        self._known_places: dict[tuple[int, ...], tuple[tuple[str, str], ...]] = {}
         self._clocks = tuple(self.layout.names[slot] for slot in self.layout.clock_slots)
 
     def view(self, initial: Snapshot, steps: Sequence[ViewStep]) -> TraceView:
@@ -241,15 +249,31 @@ class RunNames:
         return TraceView(initial, tuple(steps), frozenset(p.name for p in hidden), frozenset(owned))
 
     def snapshot(self, state: DiscreteState) -> Snapshot:
-        locations = tuple(
-            (process.name, process.locations[number].name)
-            for process, number in zip(self.network.processes, state.locations, strict=True)
-        )
-        values = state.values
-        return Snapshot(
-            locations,
-            tuple((name, bool(values[slot]) if flag else values[slot]) for slot, name, flag in self._variables),
-        )
+        return Snapshot(self._places(state.locations), self._named_values(state.values))
+
+    def _places(self, numbers: tuple[int, ...]) -> tuple[tuple[str, str], ...]:
+        found = self._known_places.get(numbers)
+        if found is None:
+            named = zip(self.network.processes, numbers, strict=True)
+            found = tuple((process.name, process.locations[number].name) for process, number in named)
+            self._known_places[numbers] = found
+        return found
+
+    def _named_values(self, values: tuple[int, ...]) -> _NamedValues:
+        """Of all variables their names and values; what is as in the state before is taken from there: a step changes
+        few of hundreds."""
+        before, named = self._last_values
+        if before != values:
+            changed = [*compress(range(len(values)), map(ne, before, values))] if before else range(len(values))
+            fresh = list(named)
+            for slot in changed:
+                place = self._shown_at.get(slot)
+                if place is not None:
+                    position, name, flag = place
+                    fresh[position] = name, bool(values[slot]) if flag else values[slot]
+            named = tuple(fresh)
+            self._last_values = values, named
+        return named
 
     def timed_snapshot(self, state: TimedState) -> Snapshot:
         clocks = tuple(zip(self._clocks, state.clocks, strict=True))

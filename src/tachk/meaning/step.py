@@ -277,8 +277,21 @@ def urgent(model: PreparedNetwork, state: TimedState) -> bool:
 
 @by_state
 def _perhaps_urgent(model: PreparedNetwork, discrete: DiscreteState) -> tuple[Participant, ...]:
-    """The edges that can begin a synchronisation over an urgent channel."""
-    return tuple(first for first in initiators(model, discrete) if may_be_urgent(model, first))
+    """The edges that can begin a synchronisation over an urgent channel, but for those whose guards are false whatever
+    the clocks."""
+    return tuple(
+        first
+        for first in initiators(model, discrete)
+        if may_be_urgent(model, first) and _may_be_open(model, discrete, first)
+    )
+
+
+def _may_be_open(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> bool:
+    """True unless the guard of an edge is false whatever the clocks; also where something goes wrong."""
+    try:
+        return bool(_guard_requirement(model, discrete, participant).constraints)
+    except EvaluationFault:
+        return True
 
 
 def deadlocked(model: PreparedNetwork, state: TimedState) -> bool:

@@ -283,15 +283,20 @@ def invariant_constraints(model: PreparedNetwork, discrete: DiscreteState) -> Co
     Once one is false, those of later processes are not evaluated. Raises EvaluationFault, and ValueError if they are
     not convex.
     """
-    scratch = environment(model, discrete)
     whole = TRUE
-    for location in model.current(discrete):
-        whole = conjunction(whole, conditional_constraints(location.invariant, scratch))
+    for process in range(len(discrete.locations)):
+        whole = conjunction(whole, invariant_of(model, discrete, process))
         if not whole:
             return None
     if len(whole) > 1:
         raise ValueError("an invariant cannot be a disjunction of clock constraints")
     return whole[0]
+
+
+@by_state
+def invariant_of(model: PreparedNetwork, discrete: DiscreteState, process: int) -> Disjunction:
+    """The clock constraints of the invariant of a process's location. Raises as `conditional_constraints` does."""
+    return conditional_constraints(model.current(discrete)[process].invariant, environment(model, discrete))
 
 
 def intersections(left: Iterable[Zone], right: Iterable[Zone]) -> Federation:

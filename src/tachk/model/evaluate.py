@@ -89,7 +89,7 @@ class Place:
 
     def write(self, values: Sequence[int], span: Span) -> None:
         """Stores values; raises the fault RANGE, and then stores nothing, if one is outside its slot's range."""
-        for value, (low, high) in zip(values, self.slots.ranges[self.offset :], strict=False):
+        for value, (low, high) in zip(values, self.slots.ranges[self.offset : self.offset + len(values)], strict=True):
             if not low <= value <= high:
                 raise EvaluationFault(RuntimeErrorKind.RANGE, span, f"{value} is not in [{low}, {high}]")
         self.slots.values[self.offset : self.offset + len(values)] = values
@@ -142,6 +142,11 @@ class Environment:
         """Gives a select or quantifier variable its value."""
         assert isinstance(variable.type, IntType | BoolType | ScalarType)
         self.frame[variable] = Place(StoredSlots([value], (bounds(variable.type),)), 0)
+
+    def read(self, variable: Variable) -> int:
+        """The value of a variable of one slot; raises KeyError for one that is not in the environment."""
+        in_frame = self.frame.get(variable)
+        return self.values[self.layout.first[variable]] if in_frame is None else in_frame.read()[0]
 
     def place(self, variable: Variable) -> Place:
         """The place of a variable; raises KeyError for one that is not in the environment."""
@@ -223,13 +228,12 @@ def _scalar(expression: Expression, environment: Environment) -> int:
     match expression:
         case Constant(value):
             return value
-        case Reference() | Index() | Field():
-            return _place(expression, environment).read()[0]
-        case Unary(operator, operand, _, span):
-            value = _scalar(operand, environment)
-            return operator.compute(value)
         case Binary():
             return _binary(expression, environment)
+        case Reference() | Index() | Field():
+            return _read(expression, environment)
+        case Unary(operator, operand):
+            return operator.compute(_scalar(operand, environment))
         case Conditional(condition, then, otherwise):
             return _scalar(then if _scalar(condition, environment) else otherwise, environment)
         case Quantifier():
@@ -267,8 +271,15 @@ def _number(expression: Expression, environment: Environment) -> int | Fraction:
             return _number(expression.left, environment) - _number(expression.right, environment)
         if environment.clocks is None:
             raise ValueError("this environment has no clock values")
-        return environment.clocks[_place(expression, environment).read()[0] - 1]
+        return environment.clocks[_read(expression, environment) - 1]
     return _scalar(expression, environment)
+
+
+def _read(place: Expression, environment: Environment) -> int:
+    """The value of a place of one slot."""
+    if isinstance(place, Reference):
+        return environment.read(place.variable)
+    return _place(place, environment).read()[0]
 
 
 def _place(expression: Expression, environment: Environment) -> Place:

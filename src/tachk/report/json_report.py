@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import compress, pairwise
+from operator import ne
 from typing import Any
 
 from tachk.base.plain_data import Fields, PlainData, complaint
@@ -150,8 +151,8 @@ def _whole(state: Snapshot) -> dict[str, Json]:
 
 def _change(before: Snapshot, after: Snapshot, step: ViewStep, written_spans: _WrittenSpans) -> dict[str, Json]:
     changes: dict[str, dict[str, Json]] = {
-        "locations": dict(new for old, new in zip(before.locations, after.locations, strict=True) if old != new),
-        "variables": dict(new for old, new in zip(before.variables, after.variables, strict=True) if old != new),
+        "locations": dict(compress(after.locations, map(ne, before.locations, after.locations))),
+        "variables": dict(compress(after.variables, map(ne, before.variables, after.variables))),
         "clocks": _changed_clocks(before, after, step.delay or Fraction(0)),
     }
     return {
@@ -164,6 +165,8 @@ def _change(before: Snapshot, after: Snapshot, step: ViewStep, written_spans: _W
 
 def _changed_clocks(before: Snapshot, after: Snapshot, delay: Fraction) -> dict[str, Json]:
     clocks = zip(before.clocks or (), after.clocks or (), strict=True)
+    if not delay:
+        return {name: str(value) for (_, old), (name, value) in clocks if value is not old and value != old}
     return {name: str(value) for (_, old), (name, value) in clocks if value != old + delay}
 
 

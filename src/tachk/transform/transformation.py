@@ -98,8 +98,11 @@ class Transformation:
         def acting(transition: Transition) -> tuple[Participant, ...]:
             return tuple(participant for participant in transition.participants if self._acts(participant.process))
 
-        for transition in begun_by(model, state, wanted.participants[0]):
-            if acting(transition) == wanted.participants and is_possible(model, state, transition):
+        candidates = [t for t in begun_by(model, state, wanted.participants[0]) if acting(t) == wanted.participants]
+        if len(candidates) == 1:  # whether it is possible shows when it is taken
+            return candidates[0]
+        for transition in candidates:
+            if is_possible(model, state, transition):
                 return transition
         raise StepError("no transition of the original network is the one of the transformed network")
 

@@ -12,7 +12,7 @@
 
 namespace tachk::reachability::pruning {
 
-struct ValueSet {
+struct Values {
   std::uint32_t slot;
   std::int32_t low;
   std::vector<bool> members;  // from the lowest value on
@@ -22,7 +22,7 @@ struct ValueSet {
 
 // None if the variable may leave it never, or if it has too many values, or if some edge sets it to anything.
 // `effects`: of each edge.
-std::optional<ValueSet> values_before(const program::Program& program, const std::vector<machine::EdgeEffects>& effects,
-                                      std::uint32_t slot, const std::vector<program::Test>& tests);
+std::optional<Values> values_before(const program::Program& program, const std::vector<machine::EdgeEffects>& effects,
+                                    std::uint32_t slot, const std::vector<program::Test>& tests);
 
 }  // namespace tachk::reachability::pruning

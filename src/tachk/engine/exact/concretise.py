@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from math import lcm
 
 from tachk.base.records import dataclass, replace
 from tachk.engine.exact.schedule import (
@@ -16,14 +17,12 @@ from tachk.engine.exact.schedule import (
     extreme_solution,
 )
 from tachk.meaning import dbm, symbolic
-from tachk.meaning.constraints import certain, conditional_constraints
+from tachk.meaning.constraints import certain
 from tachk.meaning.dbm import LESS_EQUAL_ZERO, Constraint, Zone, complement, raw_bound
 from tachk.meaning.discrete import (
     PreparedNetwork,
-    clocks_after,
     environment,
     execute_updates,
-    initial_clocks,
     initial_discrete,
     may_delay,
     stopped_clocks,
@@ -156,10 +155,9 @@ def of_phase(
     yield at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
     if not may_delay(model, discrete):
         yield at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
-    scratch = environment(model, discrete)
-    for location in model.current(discrete):
+    for process, location in enumerate(model.current(discrete)):
         if location.invariant is not None:
-            condition = conditional_constraints(location.invariant, scratch)
+            condition = symbolic.invariant_of(model, discrete, process)
             yield [tuple(PhaseConstraint(phase, False, c) for c in conjunction) for conjunction in condition]
             yield at_end(phase, condition)
     if leaves_by is not None:
@@ -262,20 +260,40 @@ def timed_trace(
     durations: Sequence[Fraction],
 ) -> TimedTrace:
     """The run that takes the transitions of a path after these durations. None in the path ends no delay."""
-    zero = Fraction(0)
-    state = TimedState(states[0], initial_clocks(model), zero)
-    initial, steps, waited = state, [], zero
+    unit = lcm(*(duration.denominator for duration in durations))
+    fractions = _Fractions(unit)
+    clocks = tuple(value * unit for value in model.layout.starts)  # clocks, and times, count units of 1 / unit
+
+    def state_at(discrete: DiscreteState, clocks: Sequence[int], time: int) -> TimedState:
+        return TimedState(discrete, tuple(map(fractions.__getitem__, clocks)), fractions[time])
+
+    state = state_at(states[0], clocks, 0)
+    initial, steps, time, waited = state, [], 0, 0
     for phase, transition in enumerate([*path, None]):
-        wait, stopped = durations[phase], phases[phase].stopped
-        clocks = [v if n in stopped else v + wait for n, v in enumerate(state.clocks, start=1)]
-        waited += wait
+        wait, stopped = int(durations[phase] * unit), phases[phase].stopped
+        if wait:
+            clocks = tuple(v if n in stopped else v + wait for n, v in enumerate(clocks, start=1))
+            waited, time = waited + wait, time + wait
         if transition is not None:
-            _, resets = execute_updates(model, states[phase], transition)
-            state = TimedState(states[phase + 1], clocks_after(clocks, resets), state.time + wait)
-            steps.append(TimedStep(waited, transition, state))
-            waited = zero
-        else:
-            state = TimedState(states[phase], tuple(clocks), state.time + wait)
-    if waited > 0:
-        steps.append(TimedStep(waited, None, state))
+            after = list(clocks)
+            for clock, source, more in execute_updates(model, states[phase], transition)[1]:
+                after[clock - 1] = more * unit + (clocks[source - 1] if source else 0)
+            clocks = tuple(after)
+            state = state_at(states[phase + 1], clocks, time)
+            steps.append(TimedStep(fractions[waited], transition, state))
+            waited = 0
+    if waited:
+        steps.append(TimedStep(fractions[waited], None, state_at(states[len(path)], clocks, time)))
     return TimedTrace(initial, tuple(steps))
+
+
+class _Fractions(dict[int, Fraction]):
+    """Multiples of 1 / unit as fractions, each made once: a long run shows the same values again and again."""
+
+    def __init__(self, unit: int) -> None:
+        super().__init__()
+        self.unit = unit
+
+    def __missing__(self, number: int) -> Fraction:
+        found = self[number] = Fraction(number, self.unit)
+        return found
