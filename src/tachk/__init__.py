@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # that of `typing` takes longer to load than a call by way of `tachk serve`
 if TYPE_CHECKING:
     from tachk.api.mining import mine
     from tachk.api.model import (
@@ -102,6 +100,8 @@ _HOMES = {
 def __getattr__(name: str) -> object:
     """Loads a name of the package when it is first used, so that ``tachk --version`` need not wait for it."""
     if name in __all__:
+        from importlib import import_module
+
         return getattr(import_module(_HOMES.get(name, "tachk.api.model")), name)
     raise AttributeError(f"module 'tachk' has no attribute {name!r}")
 

@@ -27,7 +27,6 @@ USED_OTHERWISE = {
     "tachk.recordings.traces.core_monitor.RobustnessMonitor": "traces in portions, compared with the oracle",
     "tachk.recordings.traces.linear_monitor.robustness_signal": "the values at every instant, compared with the oracle",
     "tachk.cli.commands.verifyta.run": "pyproject.toml: a console script",
-    "tachk.cli.main.COMMANDS": "the reference pages, and tests that walk over all commands",
 }
 """Modules, or names in them."""
 

@@ -73,6 +73,7 @@ LINES = {
     "models": ("models",),
     "explain": ("explain", "E0101"),
     "completion": ("completion", "bash"),
+    "serve": ("serve", "--stop", "--socket", "none.sock"),
 }
 """A command line for each command, in the order in which they run: some read what others write."""
 

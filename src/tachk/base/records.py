@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-__all__ = ["dataclass", "field", "fields", "is_dataclass", "replace"]
+__all__ = ["dataclass", "field", "fields", "is_dataclass", "make_methods", "replace"]
 
 if TYPE_CHECKING:
     from dataclasses import dataclass, field, fields, is_dataclass, replace
+
+    def make_methods(cls: type) -> None: ...
+
 else:
     import types
     from collections.abc import Callable, Iterable, Mapping
@@ -179,6 +182,12 @@ else:
             return cls
 
         return decorate
+
+    def make_methods(cls: type) -> None:
+        """Makes the methods of a class now, not when they are first called: for a process of which copies are made."""
+        for name, member in [*vars(cls).items()]:
+            if getattr(member, "is_placeholder", False):
+                setattr(cls, name, _compiled(cls, name))
 
     def _fields(plain: type) -> dict[str, _RecordField]:
         """The fields of the classes it inherits from, and its own, whose defaults become attributes of the class."""

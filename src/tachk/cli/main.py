@@ -72,8 +72,8 @@ FOLDERS = {
 }
 """The commands about one protocol, which stand under its name."""
 
-HIDDEN = ("verifyta", "completion")
-"""Commands that the help does not list: for scripts that call another program, and for shells."""
+HIDDEN = ("verifyta", "completion", "serve")
+"""Commands that the help does not list: for scripts that call another program, for shells, and for calls of editors."""
 
 _OTHERS = "More commands"
 """The section of commands that stand in the folder but not in a section."""

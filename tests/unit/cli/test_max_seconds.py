@@ -49,7 +49,7 @@ VCD = "$timescale 1 ms $end\n$var wire 1 ! p $end\n$enddefinitions $end\n" + "".
     f"#{i}\n{i % 2}!\n" for i in range(60)
 )
 
-WITHOUT = {"models", "completion", "verifyta", "xrce proxy", "xrce bridge", "mcp"}
+WITHOUT = {"models", "completion", "verifyta", "xrce proxy", "xrce bridge", "mcp", "serve"}
 """They read nothing of the user's, take the options of another program, or run until they are stopped."""
 
 COMMAND_LINES = (

@@ -72,6 +72,14 @@ def tables() -> Tables:
     return Tables(grammar(), Builder())
 
 
+def make_rows() -> None:
+    """Makes the rows of all states now, not when a text needs them: for a process of which copies are made."""
+    lexer()
+    rows = grammar().rows
+    for state in rows.stored if isinstance(rows, _StoredRows) else rows:
+        _ = tables().rows[state], tables().gotos[state]
+
+
 @cache
 def lexer() -> Lexer:
     """The lexer for the grammar's terminals."""
@@ -96,10 +104,10 @@ class _StoredRows(dict[int, dict[str, int]]):
     """Rows of tables, each read when it is needed: most texts need few."""
 
     def __init__(self, stored: dict[int, bytes]) -> None:
-        self._stored = stored
+        self.stored = stored
 
     def __missing__(self, state: int) -> dict[str, int]:
-        row: dict[str, int] = marshal.loads(self._stored[state])
+        row: dict[str, int] = marshal.loads(self.stored[state])
         self[state] = row
         return row
 

@@ -1,0 +1,67 @@
+"""Which server a program may use: one that started as the program did. Imports nearly nothing: the client pays."""
+
+from __future__ import annotations
+
+import os
+import sys
+from stat import S_ISDIR
+from zlib import crc32
+
+import tachk
+
+_INHERITED = ("PYTHON", "LC_", "LANG", "LD_", "DYLD_", "MALLOC_", "GLIBC_", "OMP_", "OPENBLAS_", "MKL_")
+"""The beginnings of the names of variables that a process reads when it starts, and a copy of the server could not."""
+
+_OPTIONS_WITH_VALUE = ("-W", "-X")
+
+
+def interpreter_options() -> list[str]:
+    """The options of Python itself that this program was started with."""
+    options: list[str] = []
+    words = iter(sys.orig_argv[1:])
+    for word in words:
+        if not word.startswith("-") or word in ("-m", "-c", "-"):
+            break
+        options.append(word)
+        if word in _OPTIONS_WITH_VALUE:
+            options.append(next(words, ""))
+    return options
+
+
+def key() -> str:
+    """What a process has from its start, as a text: programs with the same one do the same with the same request."""
+    root = os.stat("/")
+    try:
+        mounts = os.readlink("/proc/self/ns/mnt")
+    except OSError:
+        mounts = ""
+    started = sorted(f"{name}={value}" for name, value in os.environ.items() if name.startswith(_INHERITED))
+    rights = (os.getuid(), os.getgid(), sorted(os.getgroups()))
+    package = os.path.dirname(os.path.abspath(tachk.__file__))
+    place = (package, sys.executable, interpreter_options(), root.st_dev, root.st_ino, mounts)
+    return repr((tachk.__version__, place, started, rights))
+
+
+def private_folder() -> str:
+    """The folder of sockets, which only its user may open. It need not be there."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    if os.path.isabs(runtime):
+        return os.path.join(runtime, "tachk")
+    return os.path.join(os.environ.get("TMPDIR") or "/tmp", f"tachk-{os.getuid()}")
+
+
+def usual_socket(of: str) -> str:
+    """The path of the socket of the server with this key."""
+    return os.path.join(private_folder(), f"{crc32(of.encode(errors='surrogateescape')):08x}.sock")
+
+
+def mistake_of_folder(folder: str) -> str:
+    """Why a folder is not private; empty if it is. Raises OSError where it cannot be seen."""
+    found = os.lstat(folder)
+    if not S_ISDIR(found.st_mode):
+        return "it is not a folder"
+    if found.st_uid != os.getuid():
+        return "it belongs to another user"
+    if found.st_mode & 0o077:
+        return f"others may open it: its mode is {found.st_mode & 0o777:o}"
+    return ""
