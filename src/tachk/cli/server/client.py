@@ -199,7 +199,7 @@ def _end_as(line: bytes) -> NoReturn:
 def _kill(process: int) -> None:
     try:  # noqa: SIM105
         # `contextlib` takes longer to load than the rest of this module.
-        os.kill(process, SIGKILL)
+        os.killpg(process, SIGKILL)
     except OSError:  # it has ended, too
         pass
 

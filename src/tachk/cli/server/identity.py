@@ -30,16 +30,29 @@ def interpreter_options() -> list[str]:
 
 def key() -> str:
     """What a process has from its start, as a text: programs with the same one do the same with the same request."""
+    return "\n".join([tachk.__version__, package_folder(), sys.executable, *interpreter_options(), *_circumstances()])
+
+
+def key_of_scripts(folder: str) -> str:
+    """The key of the program `tachkc` in a folder of scripts, which does not know what Python loads."""
+    return "\n".join([tachk.__version__, folder, *_circumstances()])
+
+
+def package_folder() -> str:
+    """The folder of the package tachk."""
+    return os.path.dirname(os.path.abspath(tachk.__file__))
+
+
+def _circumstances() -> list[str]:
+    """What a process has from its caller and cannot change."""
     root = os.stat("/")
     try:
         mounts = os.readlink("/proc/self/ns/mnt")
     except OSError:
         mounts = ""
     started = sorted(f"{name}={value}" for name, value in os.environ.items() if name.startswith(_INHERITED))
-    rights = (os.getuid(), os.getgid(), sorted(os.getgroups()))
-    package = os.path.dirname(os.path.abspath(tachk.__file__))
-    place = (package, sys.executable, interpreter_options(), root.st_dev, root.st_ino, mounts)
-    return repr((tachk.__version__, place, started, rights))
+    rights = (os.getuid(), os.getgid(), *sorted(os.getgroups()))
+    return [*started, " ".join(map(str, rights)), f"{root.st_dev} {root.st_ino}", mounts]
 
 
 def private_folder() -> str:

@@ -26,9 +26,13 @@ from tachk.cli.server.messages import (
     line,
     parse,
 )
+from tachk.cli.server.scripts import key_of_own_scripts
 from tachk.cli.server.sources import Sources, loaded_files
 from tachk.cli.server.work import Work, begun
 from tachk.cli.server.worker import limits_of, may_become
+
+_MOST_CLIENTS = 200
+"""Further ones wait until others have gone: the number of open files is limited."""
 
 _GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
 
@@ -56,7 +60,7 @@ class Server:
         self._idle = idle
         self._clock = clock
         self._began = self._quiet_since = clock()
-        self._key = key()
+        self._keys = {None, key(), key_of_own_scripts()}
         self._sources = Sources(loaded_files())
         self._limits = limits_of(0)
         self._clients: dict[int, Connection] = {}
@@ -99,7 +103,7 @@ class Server:
         poll = select.poll()
         if signals is not None:
             poll.register(signals, select.POLLIN)
-        if not self._ending:
+        if not self._ending and len(self._clients) < _MOST_CLIENTS:
             poll.register(self._listening, select.POLLIN)
         for client in self._clients.values():
             events = 0 if client.ended else select.POLLIN
@@ -212,7 +216,7 @@ class Server:
     def _check(self, client: Connection, request: Request, given: tuple[int, ...]) -> None:
         if self._ending:
             raise DeclinedError("the server is about to end")
-        if request.key not in (None, self._key):
+        if request.key not in self._keys:
             raise DeclinedError("the server is of another installation, or was started with other settings")
         if len(given) != (3 if request.descriptors else 0):
             raise DeclinedError("`descriptors` needs three descriptors with the line, and without it there are none")

@@ -8,6 +8,7 @@ import socket
 
 from tachk.cli.server.loop import Server
 from tachk.cli.server.preload import preload
+from tachk.cli.server.scripts import name_for_scripts
 
 
 def run(descriptor: int, path: str, idle: float) -> None:
@@ -21,6 +22,7 @@ def run(descriptor: int, path: str, idle: float) -> None:
     signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
     os.set_inheritable(descriptor, False)
     listening = socket.socket(fileno=descriptor)
+    name_for_scripts(path)
     preload()
     os.chdir("/")  # no folder that someone wants to remove, or a file system to unmount
     Server(listening, path, idle).serve()

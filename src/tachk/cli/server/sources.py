@@ -6,8 +6,8 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 
-import tachk
 from tachk.base.resources import data_root
+from tachk.cli.server.identity import package_folder
 
 _DATA = ("grammar", "templates")
 """Folders of data that stay in memory once they are read."""
@@ -17,7 +17,7 @@ _Stamp = tuple[int, int, int] | None
 
 def loaded_files() -> set[str]:
     """The files of tachk, and of all modules that are loaded now."""
-    folders = (os.path.dirname(os.path.abspath(tachk.__file__)), *(os.path.join(data_root(), name) for name in _DATA))
+    folders = (package_folder(), *(os.path.join(data_root(), name) for name in _DATA))
     loaded = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
     return {path for folder in folders for path in _below(folder)} | {path for path in loaded if path is not None}
 
