@@ -27,9 +27,21 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from bench.families import OURS, ROOT, THEIRS, Instance
+from bench.families import GROUPS, OURS, ROOT, TCHECKER, Instance
 from bench.processes import finished
-from bench.side_by_side import HEAD, Program, Row, compared, disagreement, lines, measure, stored
+from bench.side_by_side import (
+    HEAD,
+    TARZAN_SETTINGS,
+    TCHECKER_SETTINGS,
+    Contest,
+    Limits,
+    Program,
+    Row,
+    compared,
+    disagreement,
+    lines,
+    stored,
+)
 
 
 def machine() -> str:
@@ -39,33 +51,37 @@ def machine() -> str:
     return f"{names[0] if names else platform.machine()}, {os.cpu_count()} cores"
 
 
-def instances(
-    only: Sequence[str], examples: Path | None, sizes: int | None, folder: Path, *, exported: bool
-) -> Iterator[tuple[str, int, Instance]]:
-    """Those asked for: families by name, each perhaps with its sizes, as in `fischer=9,10`."""
+def families(only: Sequence[str], sizes: int | None, *, theirs: bool) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Those asked for, with their sizes: families by name, each perhaps with its sizes, as in `fischer=9,10`."""
+    known = {name: family.sizes for group in GROUPS.values() for name, family in group.items()}
     wanted = [name.partition("=") for name in only] or [
-        (name, "", "") for name in [*OURS, *(THEIRS if examples else ())]
+        (name, "", "") for name in known if theirs or name not in TCHECKER
     ]
     for name, _, given in wanted:
-        if name not in OURS and name not in THEIRS:
-            raise SystemExit(f"there is no family {name}: {', '.join([*OURS, *THEIRS])}")
-        family = OURS[name] if name in OURS else THEIRS[name]
-        for size in map(int, given.split(",")) if given else family.sizes[:sizes]:
-            if name in OURS:
-                yield name, size, OURS[name].instance(size, folder, exported=exported)
-            elif examples is None:
-                raise SystemExit(f"{name} needs --tchecker-examples")
-            else:
-                yield name, size, THEIRS[name].instance(size, folder, examples)
+        if name not in known:
+            raise SystemExit(f"there is no family {name}: {', '.join(known)}")
+        yield name, tuple(map(int, given.split(","))) if given else known[name][:sizes]
+
+
+def instance(name: str, size: int, examples: Path | None, folder: Path, *, exported: bool) -> Instance:
+    if name in OURS:
+        return OURS[name].instance(size, folder, exported=exported)
+    if examples is None:
+        raise SystemExit(f"{name} needs --tchecker-examples")
+    return TCHECKER[name].instance(size, folder, examples)
 
 
 def programs(given: argparse.Namespace) -> list[Program]:
     found = [Program("tachk", options=tuple(given.option))]
     if given.against is not None:
         found.append(Program("tachk before", source=given.against / "src"))
-    for text in given.tck_reach:
-        name, _, executable = text.rpartition("=")
-        found.append(Program(f"TChecker {name}".strip(), executable=executable))
+    for texts, program, settings in (
+        (given.tck_reach, "TChecker", TCHECKER_SETTINGS),
+        (given.tarzan, "TARZAN", TARZAN_SETTINGS),
+    ):
+        for text in texts:
+            name, _, executable = text.rpartition("=")
+            found.append(Program(f"{program} {name}".strip(), executable=executable, settings=settings))
     return found
 
 
@@ -73,24 +89,30 @@ def run(given: argparse.Namespace) -> int:
     print(f"{machine()}, load {os.getloadavg()[0]:.1f}, median of {given.repeat}, at most {given.seconds:g} s each\n")
     print("\n".join(HEAD))
     rows: list[Row] = []
-    smaller: dict[str, dict[str, Row]] = {}
-    wrong = False
-    with tempfile.TemporaryDirectory() as folder:
-        exported = bool(given.tck_reach)
-        asked = instances(given.only, given.tchecker_examples, given.sizes, Path(folder), exported=exported)
-        for name, size, instance in asked:
-            measured = [
-                measure(name, size, instance, program, given.repeat, given.seconds) for program in programs(given)
-            ]
-            found = [row for row in measured if row is not None]
-            before = smaller.setdefault(name, {})
-            print("\n".join(lines(found, measured[0], before)), flush=True)
+    wrong: list[str] = []
+    exported = bool(given.tck_reach or given.tarzan)
+    limits = Limits(given.seconds, int(given.memory * 1e9) if given.memory else None)
+    for name, sizes in families(given.only, given.sizes, theirs=given.tchecker_examples is not None):
+        contest = Contest(name, given.repeat, limits)
+        smaller: dict[str, Row] = {}
+        for size in sizes:
+            with tempfile.TemporaryDirectory() as folder:
+                asked = instance(name, size, given.tchecker_examples, Path(folder), exported=exported)
+                found = contest.measure(size, asked, programs(given))
+            if not found:
+                break
+            print("\n".join(lines(found, smaller)), flush=True)
             if (told := disagreement(found)) is not None:
-                wrong = True
-                print(f"    answers differ: {told}")
-            before.update({row.program: row for row in found})
+                wrong.append(f"{name} {size}: {told}")
+                print(f"    answers differ: {told}", flush=True)
+            smaller.update({row.program: row for row in found})
             rows += found
+    for told in wrong:
+        print(f"answers differ: {told}")
     remember(given.history, rows)
+    if given.output is not None:
+        written = {**described(rows), "limits": {"seconds": given.seconds, "gigabytes": given.memory}}
+        given.output.write_text(json.dumps(written | {"repeat": given.repeat}, indent=1) + "\n", encoding="utf-8")
     return 1 if wrong else 0
 
 
@@ -101,20 +123,23 @@ def remember(path: Path, rows: Sequence[Row]) -> None:
     if earlier:
         print(f"\nSince {earlier[-1]['date']} ({earlier[-1]['commit']}):\n")
         print("\n".join(compared(rows, earlier[-1]["rows"])))
-    described = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    history.append(
-        {
-            "date": datetime.now().isoformat(timespec="minutes"),
-            "machine": machine(),
-            "load": round(os.getloadavg()[0], 1),
-            "commit": described.stdout.strip(),
-            "rows": stored(rows),
-        }
-    )
+    history.append(described(rows))
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(history, indent=1) + "\n", encoding="utf-8")
+
+
+def described(rows: Sequence[Row]) -> dict[str, object]:
+    """A run with where and when it was."""
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    return {
+        "date": datetime.now().isoformat(timespec="minutes"),
+        "machine": machine(),
+        "load": round(os.getloadavg()[0], 1),
+        "commit": commit.stdout.strip(),
+        "rows": stored(rows),
+    }
 
 
 def zones(given: argparse.Namespace) -> int:
@@ -127,17 +152,20 @@ def main() -> int:
         prog="python -m bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     commands = parser.add_subparsers(required=True)
-    families = commands.add_parser("run", help="families of networks, beside other programs")
-    families.set_defaults(command=run)
-    families.add_argument("--only", nargs="+", default=[], metavar="FAMILY[=SIZES]")
-    families.add_argument("--sizes", type=int, help="of each family only so many sizes, the smallest ones")
-    families.add_argument("--repeat", type=int, default=3, help="runs of each program; the median counts")
-    families.add_argument("--seconds", type=float, default=60, help="CPU time that one run may take")
-    families.add_argument("--option", action="append", default=[], help="an argument of `tachk verify`: --option=-D...")
-    families.add_argument("--against", type=Path, metavar="FOLDER", help="another checkout of tachk")
-    families.add_argument("--tck-reach", nargs="+", default=[], metavar="NAME=PATH", help="builds of TChecker")
-    families.add_argument("--tchecker-examples", type=Path, metavar="FOLDER", help="with TChecker's generators")
-    families.add_argument("--history", type=Path, default=ROOT / "build" / "bench_history.json", metavar="FILE")
+    run_parser = commands.add_parser("run", help="families of networks, beside other programs")
+    run_parser.set_defaults(command=run)
+    run_parser.add_argument("--only", nargs="+", default=[], metavar="FAMILY[=SIZES]")
+    run_parser.add_argument("--sizes", type=int, help="of each family only so many sizes, the smallest ones")
+    run_parser.add_argument("--repeat", type=int, default=3, help="runs of each program; the median counts")
+    run_parser.add_argument("--seconds", type=float, default=60, help="CPU time that one run may take")
+    run_parser.add_argument("--memory", type=float, help="address space that one run may have, in GB")
+    run_parser.add_argument("--option", action="append", default=[], help="for `tachk verify`: --option=-D...")
+    run_parser.add_argument("--against", type=Path, metavar="FOLDER", help="another checkout of tachk")
+    run_parser.add_argument("--tck-reach", nargs="+", default=[], metavar="NAME=PATH", help="builds of TChecker")
+    run_parser.add_argument("--tarzan", nargs="+", default=[], metavar="NAME=PATH", help="builds of tarzan_reach.cpp")
+    run_parser.add_argument("--tchecker-examples", type=Path, metavar="FOLDER", help="with TChecker's generators")
+    run_parser.add_argument("--history", type=Path, default=ROOT / "build" / "bench_history.json", metavar="FILE")
+    run_parser.add_argument("--output", type=Path, metavar="FILE", help="the run as JSON, for a page")
     operations = commands.add_parser("zones", help="the zone operations one by one")
     operations.set_defaults(command=zones)
     operations.add_argument("--program", type=Path, default=ROOT / "build" / "bench" / "zone_operations")

@@ -28,13 +28,21 @@ class Finished:
     memory_bytes: int
 
 
-class TimeOut(Exception):
-    """A process was ended because it took too long."""
+class Stopped(Exception):
+    """A process was ended because it took too much."""
 
     def __init__(self, cpu_seconds: float, memory_bytes: int) -> None:
-        super().__init__(f"ended after {cpu_seconds:.1f} s of CPU time")
+        super().__init__(f"ended after {cpu_seconds:.1f} s of CPU time, with {memory_bytes / 1e6:.0f} MB")
         self.cpu_seconds = cpu_seconds
         self.memory_bytes = memory_bytes
+
+
+class TimeOut(Stopped):
+    """It took too long."""
+
+
+class OutOfMemory(Stopped):
+    """It wanted more memory than it may have."""
 
 
 def tachk(*arguments: str) -> list[str]:
@@ -47,6 +55,7 @@ def finished(
     source: Path | None = None,
     statuses: Collection[int] = (0,),
     seconds: float | None = None,
+    memory: int | None = None,
     *,
     told: bool = True,
 ) -> Finished:
@@ -56,12 +65,15 @@ def finished(
         source: the folder that holds the package, where it is not the one that Python finds by itself.
         statuses: with which it may end. Raises RuntimeError if it ends with another one.
         seconds: of CPU time that it may take. Raises TimeOut if that is not enough.
+        memory: the address space that it may have, in bytes. Raises OutOfMemory if it ends for want of it.
         told: whether its error messages are shown.
     """
 
     def limit() -> None:
         if seconds is not None:
             resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), math.ceil(seconds) + 1))
+        if memory is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
     environment = None if source is None else os.environ | {"PYTHONPATH": str(source)}
     messages = None if told else subprocess.DEVNULL
@@ -69,11 +81,14 @@ def finished(
         command, env=environment, stdout=subprocess.PIPE, stderr=messages, text=True, preexec_fn=limit
     )
     assert process.stdout is not None
-    output = process.stdout.read()
+    with process.stdout:
+        output = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode in (-signal.SIGXCPU, -signal.SIGKILL) and seconds is not None:
         raise TimeOut(usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+    if memory is not None and process.returncode != 0 and usage.ru_maxrss * 1024 > memory / 2:
+        raise OutOfMemory(usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
     if process.returncode not in statuses:
         raise RuntimeError(f"{' '.join(command)} ended with status {process.returncode}:\n{output}")
     return Finished(output, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
