@@ -27,8 +27,11 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
+from bench import results
 from bench.families import GROUPS, OURS, ROOT, TCHECKER, Instance
+from bench.page import write
 from bench.processes import finished
+from bench.results import Run
 from bench.side_by_side import (
     HEAD,
     TARZAN_SETTINGS,
@@ -90,6 +93,7 @@ def run(given: argparse.Namespace) -> int:
     print("\n".join(HEAD))
     rows: list[Row] = []
     wrong: list[str] = []
+    commit = described_commit()
     exported = bool(given.tck_reach or given.tarzan)
     limits = Limits(given.seconds, int(given.memory * 1e9) if given.memory else None)
     for name, sizes in families(given.only, given.sizes, theirs=given.tchecker_examples is not None):
@@ -107,12 +111,13 @@ def run(given: argparse.Namespace) -> int:
                 print(f"    answers differ: {told}", flush=True)
             smaller.update({row.program: row for row in found})
             rows += found
+        if given.output is not None:
+            now = datetime.now().isoformat(timespec="minutes")
+            done = Run(now, machine(), commit, given.seconds, given.memory, given.repeat, tuple(rows))
+            results.write(done, given.output)
     for told in wrong:
         print(f"answers differ: {told}")
     remember(given.history, rows)
-    if given.output is not None:
-        written = {**described(rows), "limits": {"seconds": given.seconds, "gigabytes": given.memory}}
-        given.output.write_text(json.dumps(written | {"repeat": given.repeat}, indent=1) + "\n", encoding="utf-8")
     return 1 if wrong else 0
 
 
@@ -123,23 +128,27 @@ def remember(path: Path, rows: Sequence[Row]) -> None:
     if earlier:
         print(f"\nSince {earlier[-1]['date']} ({earlier[-1]['commit']}):\n")
         print("\n".join(compared(rows, earlier[-1]["rows"])))
-    history.append(described(rows))
+    history.append(
+        {
+            "date": datetime.now().isoformat(timespec="minutes"),
+            "machine": machine(),
+            "load": round(os.getloadavg()[0], 1),
+            "commit": described_commit(),
+            "rows": stored(rows),
+        }
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(history, indent=1) + "\n", encoding="utf-8")
 
 
-def described(rows: Sequence[Row]) -> dict[str, object]:
-    """A run with where and when it was."""
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    return {
-        "date": datetime.now().isoformat(timespec="minutes"),
-        "machine": machine(),
-        "load": round(os.getloadavg()[0], 1),
-        "commit": commit.stdout.strip(),
-        "rows": stored(rows),
-    }
+def described_commit() -> str:
+    command = ["git", "describe", "--always", "--dirty"]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def page(given: argparse.Namespace) -> int:
+    write(results.read(given.result), given.output)
+    return 0
 
 
 def zones(given: argparse.Namespace) -> int:
@@ -166,6 +175,10 @@ def main() -> int:
     run_parser.add_argument("--tchecker-examples", type=Path, metavar="FOLDER", help="with TChecker's generators")
     run_parser.add_argument("--history", type=Path, default=ROOT / "build" / "bench_history.json", metavar="FILE")
     run_parser.add_argument("--output", type=Path, metavar="FILE", help="the run as JSON, for a page")
+    pages = commands.add_parser("page", help="the generated part of docs/performance.md, from a stored run")
+    pages.set_defaults(command=page)
+    pages.add_argument("result", type=Path, metavar="RESULT", help="what `run --output` has written")
+    pages.add_argument("--output", "-o", type=Path, default=ROOT / "docs" / "performance.md", metavar="FILE")
     operations = commands.add_parser("zones", help="the zone operations one by one")
     operations.set_defaults(command=zones)
     operations.add_argument("--program", type=Path, default=ROOT / "build" / "bench" / "zone_operations")

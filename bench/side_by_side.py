@@ -18,13 +18,15 @@ TCHECKER_SETTINGS = ("covreach bfs", "covreach dfs", "aLU-covreach bfs", "concur
 
 TARZAN_SETTINGS = ("dfs", "bfs")
 
-PATIENCE, AT_LEAST = 10.0, 5.0
+PATIENCE, AT_LEAST = 10.0, 3.0
 """Others are given up after so many times what tachk took, but not before so many seconds."""
 
-ONCE = 5.0
+ONCE = 3.0
 """What takes longer than this is measured once."""
 
-OUT_OF_TIME, OUT_OF_MEMORY, UNKNOWN, GIVEN_UP = "out of time", "out of memory", "unknown", "given up"
+OUT_OF_TIME, OUT_OF_MEMORY, GIVEN_UP = "out of time", "out of memory", "given up"
+UNKNOWN, FAILED = "unknown", "ended with an error"
+UNFINISHED = (OUT_OF_TIME, OUT_OF_MEMORY, GIVEN_UP, UNKNOWN, FAILED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,15 +84,15 @@ class Row:
 
     @property
     def finished(self) -> bool:
-        return self.answer not in (OUT_OF_TIME, OUT_OF_MEMORY, UNKNOWN, GIVEN_UP)
+        return self.answer not in UNFINISHED
 
 
 @dataclass(slots=True)
 class Contest:
     """Programs on the sizes of one family, from the smallest up.
 
-    A program that has not finished one size is not asked about larger ones. Of its settings those go on that took at
-    most five times as long as the fastest one.
+    A program that has not finished one size is not asked about larger ones. Of its settings the fastest goes on, and
+    the second one if it took at most three times as long.
     """
 
     family: str
@@ -132,8 +134,8 @@ class Contest:
         done = sorted((row for row in rows if row.finished), key=lambda row: row.cpu_seconds)
         if not done:
             return rows[0] if rows else None
-        near = [row.setting for row in done if row.cpu_seconds <= 5 * max(done[0].cpu_seconds, 0.1)]
-        self.settings[program.name] = tuple(near)
+        near = [row.setting for row in done if row.cpu_seconds <= 3 * max(done[0].cpu_seconds, 0.1)]
+        self.settings[program.name] = tuple(near[:2])
         again = partial(ask, self.family, size, instance, program, done[0].setting, limits)
         return _repeated(again, self.repeat, done[0])
 
@@ -153,8 +155,12 @@ def _by_tachk(family: str, size: int, instance: Instance, program: Program, limi
     try:
         process = finished(command, program.source, range(256), limits.seconds, limits.memory, told=False)
     except Stopped as spent:
-        return _unfinished(family, size, program.name, "", spent, limits)
-    results = json.loads(process.output)["runs"][0]["results"]
+        return _unfinished(family, size, program.name, "", _why(spent, limits), spent)
+    try:
+        results = json.loads(process.output)["runs"][0]["results"]
+    except ValueError:
+        error = Stopped(process.cpu_seconds, process.memory_bytes)
+        return _unfinished(family, size, program.name, "", FAILED, error)
     if not results:
         return None
     result = results[0]
@@ -182,7 +188,7 @@ def _by_tchecker(
     try:
         process = finished(command, None, range(256), limits.seconds, limits.memory, told=False)
     except Stopped as spent:
-        return _unfinished(family, size, program.name, setting, spent, limits)
+        return _unfinished(family, size, program.name, setting, _why(spent, limits), spent)
     told: dict[str, str] = dict(re.findall(r"^(\w+) (\S+)$", process.output, re.MULTILINE))
     if "REACHABLE" not in told:
         return None
@@ -203,7 +209,7 @@ def _by_tarzan(
     try:
         process = finished(command, None, range(256), limits.seconds, limits.memory, told=False)
     except Stopped as spent:
-        return _unfinished(family, size, program.name, setting, spent, limits)
+        return _unfinished(family, size, program.name, setting, _why(spent, limits), spent)
     told = re.search(r"Goal is (not reachable|reachable)\nNumber of regions: (\d+)", process.output)
     if told is None:
         return None
@@ -214,12 +220,14 @@ def _by_tarzan(
     )  # fmt: skip
 
 
-def _unfinished(family: str, size: int, program: str, setting: str, spent: Stopped, limits: Limits) -> Row:
-    if isinstance(spent, OutOfMemory):
-        answer = OUT_OF_MEMORY
-    else:
-        answer = OUT_OF_TIME if limits.whole else GIVEN_UP
+def _unfinished(family: str, size: int, program: str, setting: str, answer: str, spent: Stopped) -> Row:
     return Row(family, size, program, setting, answer, 0, 0, 0, spent.cpu_seconds, 0.0, spent.memory_bytes, 0)
+
+
+def _why(spent: Stopped, limits: Limits) -> str:
+    if isinstance(spent, OutOfMemory):
+        return OUT_OF_MEMORY
+    return OUT_OF_TIME if limits.whole else GIVEN_UP
 
 
 HEAD = (
