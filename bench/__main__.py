@@ -2,7 +2,9 @@
 
     python -m bench run
     python -m bench run --only fischer=9,10 fddi --tck-reach stock=/path/to/tck-reach tuned=/other/tck-reach
-    python -m bench run --tchecker-examples /path/to/tchecker/examples --tck-reach stock=/path/to/tck-reach
+    python -m bench run --tchecker-examples /path/to/tchecker/examples --tck-reach stock=/path/to/tck-reach \\
+        --tarzan stock=/path/to/tarzan_reach --memory 3 --output RESULT.json
+    python -m bench page RESULT.json
     python -m bench run --against /path/to/another/checkout --repeat 5
     python -m bench zones --program build/bench/zone_operations
 
@@ -10,8 +12,9 @@
 CPU seconds are user and system time of whole processes by wait4, with their start: what others do on the machine adds
 little to them. The exit status is 1 if two programs give different answers.
 
-Every run is added to a history, and compared with the last one of the same machine there. `zones` measures the zone
-operations one by one (bench/zone_operations.cpp, built with -D TACHK_BENCH=ON).
+Every run is added to a history, and compared with the last one of the same machine there. `page` writes tables, curves
+and losses from a stored run into docs/performance.md. `zones` measures the zone operations one by one
+(bench/zone_operations.cpp, built with -D TACHK_BENCH=ON).
 """
 
 from __future__ import annotations
@@ -20,18 +23,19 @@ import argparse
 import json
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from datetime import datetime
+from importlib.metadata import version
 from pathlib import Path
 
-from bench import results
+from bench import stored_runs
 from bench.families import GROUPS, OURS, ROOT, TCHECKER, Instance
 from bench.page import write
 from bench.processes import finished
-from bench.results import Run
 from bench.side_by_side import (
     HEAD,
     TARZAN_SETTINGS,
@@ -45,6 +49,7 @@ from bench.side_by_side import (
     lines,
     stored,
 )
+from bench.stored_runs import Run
 
 
 def machine() -> str:
@@ -114,7 +119,7 @@ def run(given: argparse.Namespace) -> int:
         if given.output is not None:
             now = datetime.now().isoformat(timespec="minutes")
             done = Run(now, machine(), commit, given.seconds, given.memory, given.repeat, tuple(rows))
-            results.write(done, given.output)
+            stored_runs.write(done, given.output)
     for told in wrong:
         print(f"answers differ: {told}")
     remember(given.history, rows)
@@ -142,12 +147,15 @@ def remember(path: Path, rows: Sequence[Row]) -> None:
 
 
 def described_commit() -> str:
+    """Of the checkout; the version of tachk where there is no git."""
+    if shutil.which("git") is None:
+        return version("tachk")
     command = ["git", "describe", "--always", "--dirty"]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def page(given: argparse.Namespace) -> int:
-    write(results.read(given.result), given.output)
+    write(stored_runs.read(given.result), given.output)
     return 0
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from bench.results import Run
+from bench.stored_runs import Run
 
 COLOURS = {"tachk": "#1f5fbf", "TChecker": "#c4630a", "TARZAN": "#2b8a5a"}
 COLUMNS, WIDTH, HEIGHT = 4, 210, 150

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from bench.curves import drawn
 from bench.families import GROUPS
-from bench.results import NOTICED, Run, best_peer, growth, is_won, losses, per_state, wins_from
 from bench.side_by_side import GIVEN_UP, ONCE, OUT_OF_MEMORY, OUT_OF_TIME, Row
+from bench.stored_runs import NOTICED, Run, best_peer, growth, is_won, losses, per_state, wins_from
 
-BEGIN, END = "<!-- families: begin -->", "<!-- families: end -->"
 PEERS = ("TChecker", "TARZAN")
 
 
@@ -22,48 +21,60 @@ def picture_name(title: str) -> str:
 
 def pictures(run: Run) -> dict[str, str]:
     """The curves of each group: file names and SVG."""
-    return {picture_name(title): drawn(run, _varied(run, list(group))) for title, group in GROUPS.items()}
+    return {picture_name(title): drawn(run, _varied(run, group)) for title, group in _measured(run).items()}
+
+
+def _measured(run: Run) -> dict[str, list[str]]:
+    """The groups with their families, as far as the run has them."""
+    found = {title: [family for family in group if run.sizes(family)] for title, group in GROUPS.items()}
+    return {title: families for title, families in found.items() if families}
 
 
 def _varied(run: Run, families: Sequence[str]) -> list[str]:
     return [family for family in families if len(run.sizes(family)) > 1]
 
 
-def block(run: Run) -> str:
-    """The text between the markers."""
-    return "\n".join([BEGIN, "", *_lines(run), "", END])
+def blocks(run: Run) -> dict[str, str]:
+    """By name what stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->`."""
+    return {"families": "\n".join(_overview(run)), "sizes": "\n".join(_all_sizes(run))}
 
 
-def replaced(page: str, new: str) -> str:
-    """The page with the new block. Raises ValueError if it has no markers."""
-    start, end = page.index(BEGIN), page.index(END) + len(END)
-    return page[:start] + new + page[end:]
+def replaced(text: str, new: dict[str, str]) -> str:
+    """A page with new blocks. Raises ValueError if a marker is missing."""
+    for name, block in new.items():
+        begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->"
+        start = text.index(begin) + len(begin)
+        text = f"{text[:start]}\n{block}\n\n{text[text.index(end) :]}"
+    return text
 
 
 def write(run: Run, path: Path) -> None:
-    path.write_text(replaced(path.read_text(encoding="utf-8"), block(run)), encoding="utf-8")
+    path.write_text(replaced(path.read_text(encoding="utf-8"), blocks(run)), encoding="utf-8")
     for name, svg in pictures(run).items():
         (path.parent / "images" / name).write_text(svg, encoding="utf-8")
 
 
-def _lines(run: Run) -> Iterator[str]:
-    measured = [family for group in GROUPS.values() for family in group if run.sizes(family)]
+def _overview(run: Run) -> Iterator[str]:
+    measured = [family for group in _measured(run).values() for family in group]
     cap = f"{run.seconds:g} s of CPU time" + (f" and {run.gigabytes:g} GB of address space" if run.gigabytes else "")
     yield f"Measured on {run.date[:10]} at commit {run.commit}, on an {run.machine}: {', '.join(run.names())}."
     yield f"Each run may take {cap}; medians of {run.repeat}, single runs where one takes more than {ONCE:g} s."
-    for title, group in GROUPS.items():
-        families = [family for family in group if run.sizes(family)]
+    for title, group in _measured(run).items():
         yield from ("", f"### {title}", "")
-        yield from _summary(run, families)
-        if _varied(run, families):
+        yield from _summary(run, group)
+        if _varied(run, group):
             yield from ("", f"![CPU seconds over sizes]({'images/' + picture_name(title)})")
     yield from ("", "### Where tachk loses", "")
     yield from _losses(run, measured)
     yield from ("", "### CPU time a state", "")
     yield from _growth(run, measured)
-    for title, group in GROUPS.items():
-        yield from ("", f"### All sizes: {title}", "")
-        yield from _instances(run, [family for family in group if run.sizes(family)])
+
+
+def _all_sizes(run: Run) -> Iterator[str]:
+    yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted more than it may have."
+    for title, group in _measured(run).items():
+        yield from ("", f"### {title}, size by size", "")
+        yield from _instances(run, group)
 
 
 def _summary(run: Run, families: Sequence[str]) -> Iterator[str]:
