@@ -101,7 +101,9 @@ std::string usual_socket(const std::string& of) {
   char name[16];
   std::snprintf(name, sizeof name, "/%08x.sock", ~sum);
   const std::string runtime = variable("XDG_RUNTIME_DIR"), temporary = variable("TMPDIR");
-  if (runtime.starts_with('/')) return runtime + (runtime.ends_with('/') ? "tachk" : "/tachk") + name;
+  struct stat found{};
+  if (runtime.starts_with('/') && stat(runtime.c_str(), &found) == 0 && found.st_uid == getuid())
+    return runtime + (runtime.ends_with('/') ? "tachk" : "/tachk") + name;
   return (temporary.empty() ? "/tmp" : temporary) + "/tachk-" + std::to_string(getuid()) + name;
 }
 

@@ -85,8 +85,30 @@ def test_programs_that_start_otherwise_have_other_servers(monkeypatch: pytest.Mo
     assert identity.key() == usual
     monkeypatch.setenv("LC_ALL", "C")
     assert identity.key() != usual
-    monkeypatch.setattr("sys.orig_argv", ["python", "-W", "error", "-m", "tachk", "-X"])
-    assert identity.interpreter_options() == ["-W", "error"]
+
+
+@pytest.mark.parametrize(
+    ("words", "options"),
+    [
+        ("-W error -m tachk -X", "-W error"),
+        ("-mtachk -X dev", ""),
+        ("-Im tachk", "-I"),
+        ("-Xdev -sP /bin/tachk -I", "-Xdev -sP"),
+        ("-Wmodule -c pass", "-Wmodule"),
+        ("/bin/tachk", ""),
+    ],
+)
+def test_options_of_python_end_before_the_program(words: str, options: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.orig_argv", ["python", *words.split()])
+    assert identity.interpreter_options() == options.split()
+
+
+def test_the_folder_of_another_user_is_not_touched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    assert identity.private_folder() == str(tmp_path / "tachk")
+    monkeypatch.setenv("TMPDIR", "/elsewhere")
+    monkeypatch.setattr(os, "getuid", lambda: 12345)
+    assert identity.private_folder() == "/elsewhere/tachk-12345"
 
 
 def test_changed_sources_are_noticed(tmp_path: Path) -> None:

@@ -15,6 +15,9 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+MOST_DESCRIPTORS = 1 << 16
+"""More than a server has; the system may allow a thousand million, each of which an old kernel would close alone."""
+
 _WAITING = 128
 """Clients that wait for being accepted, as while the server is loading tachk."""
 
@@ -111,7 +114,7 @@ def start_in_background(path: str, seconds: float) -> None:
             os.dup2(source, target)
         first = listening.fileno()
         os.closerange(3, first)
-        os.closerange(first + 1, os.sysconf("SC_OPEN_MAX"))
+        os.closerange(first + 1, MOST_DESCRIPTORS)
         os.execv(command[0], command)
     finally:
         os._exit(1)

@@ -20,12 +20,22 @@ def interpreter_options() -> list[str]:
     options: list[str] = []
     words = iter(sys.orig_argv[1:])
     for word in words:
-        if not word.startswith("-") or word in ("-m", "-c", "-"):
+        if not word.startswith("-") or word == "-":
+            break
+        if word in _OPTIONS_WITH_VALUE:
+            options += (word, next(words, ""))
+            continue
+        ends = 0 if word.startswith((*_OPTIONS_WITH_VALUE, "--")) else _first(word, "mc")
+        if ends:  # what follows names the program
+            options += [word[:ends]] if ends > 1 else []
             break
         options.append(word)
-        if word in _OPTIONS_WITH_VALUE:
-            options.append(next(words, ""))
     return options
+
+
+def _first(word: str, letters: str) -> int:
+    """The place of the first of some letters; 0 if there is none."""
+    return next((place for place, letter in enumerate(word) if letter in letters), 0)
 
 
 def key() -> str:
@@ -58,9 +68,17 @@ def _circumstances() -> list[str]:
 def private_folder() -> str:
     """The folder of sockets, which only its user may open. It need not be there."""
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    if os.path.isabs(runtime):
+    if os.path.isabs(runtime) and _is_own(runtime):
         return os.path.join(runtime, "tachk")
     return os.path.join(os.environ.get("TMPDIR") or "/tmp", f"tachk-{os.getuid()}")
+
+
+def _is_own(folder: str) -> bool:
+    """False for the folder of another user, as after `sudo`."""
+    try:
+        return os.stat(folder).st_uid == os.getuid()
+    except OSError:
+        return False
 
 
 def usual_socket(of: str) -> str:

@@ -1,25 +1,27 @@
-"""Whether the files that a server has loaded, or may load, are still the same."""
+"""Whether the files that a server has loaded are still the same."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from tachk.base.resources import data_root
-from tachk.cli.server.identity import package_folder
-
-_DATA = ("grammar", "templates")
-"""Folders of data that stay in memory once they are read."""
 
 _Stamp = tuple[int, int, int] | None
 
 
 def loaded_files() -> set[str]:
-    """The files of tachk, and of all modules that are loaded now."""
-    folders = (package_folder(), *(os.path.join(data_root(), name) for name in _DATA))
-    loaded = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
-    return {path for folder in folders for path in _below(folder)} | {path for path in loaded if path is not None}
+    """The files of which something is in the memory of this process, but for those of Python itself.
+
+    A copy loads what else it needs from the files that are there then, as every program does.
+    """
+    library = os.path.dirname(os.path.abspath(os.__file__))
+    packages = os.path.join(library, "site-packages")
+    loaded = {getattr(module, "__file__", None) or "" for module in [*sys.modules.values()]}
+    others = {path for path in loaded if path and (not path.startswith(library) or path.startswith(packages))}
+    grammar = os.path.join(data_root(), "grammar")
+    return {sys.executable, *others, *(os.path.join(grammar, name) for name in os.listdir(grammar))}
 
 
 class Sources:
@@ -31,13 +33,6 @@ class Sources:
     def changed(self) -> bool:
         """True once one of them is another file, or none."""
         return any(_stamp(path) != stamp for path, stamp in self._stamps.items())
-
-
-def _below(folder: str) -> Iterator[str]:
-    """The files in a folder, without those in which Python stores what it has compiled."""
-    for path, folders, files in os.walk(folder):
-        folders[:] = [name for name in folders if name != "__pycache__"]
-        yield from (os.path.join(path, name) for name in files)
 
 
 def _stamp(path: str) -> _Stamp:

@@ -15,6 +15,7 @@ from io import BufferedReader, BufferedWriter, FileIO, TextIOWrapper
 from typing import BinaryIO, NoReturn, cast
 
 from tachk.base.records import dataclass
+from tachk.cli.server.binding import MOST_DESCRIPTORS
 from tachk.cli.server.messages import Request
 from tachk.cli.start import run_here
 from tachk.cli.terminal import end_by
@@ -106,7 +107,7 @@ def _take_streams(request: Request, streams: tuple[int | None, int, int]) -> Non
         os.dup2(given, 0)
     for number, descriptor in enumerate(outputs, 1):
         os.dup2(descriptor, number)
-    os.closerange(3, os.sysconf("SC_OPEN_MAX"))
+    os.closerange(3, MOST_DESCRIPTORS)
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         stream = _opened(number)
         setattr(sys, name, stream)
