@@ -65,7 +65,7 @@ COMMAND_LINES = [
     "umask 077; tachk verify m.ta -o private.txt; stat -c %a private.txt",
     "umask 002; tachk verify m.ta -o shared.txt; stat -c %a shared.txt",
     "ulimit -f 0; tachk verify m.ta -o out.txt",
-    "verify m.ta | head -c 5",
+    "verify m.ta | cat",
     "verify m.ta >&-",
     "verify m.ta > /dev/full",
     "nonsense",
@@ -206,6 +206,22 @@ def test_a_plain_command_is_carried_out_by_the_server(server: Path, runtime: Pat
     assert call("verify", "m.ta", cwd=models, variables=environment(runtime, str(server))).returncode == 10
     assert call("verify", "m.ta", cwd=models / "other", variables=environment(runtime, str(server))).returncode == 0
     assert inquire(server)["carried_out"] == before + 2
+
+
+def test_a_closed_pipe_ends_the_program_by_its_signal(server: Path, runtime: Path, models: Path) -> None:
+    for setting in ("off", str(server)):
+        reader, writer = os.pipe()
+        os.close(reader)
+        done = subprocess.run(
+            [*TACHK, "verify", "m.ta"],
+            cwd=models,
+            env=environment(runtime, setting),
+            stdout=writer,
+            check=False,
+            timeout=60,
+        )
+        os.close(writer)
+        assert done.returncode == -signal.SIGPIPE
 
 
 def test_a_file_that_has_changed_is_read_again(server: Path, runtime: Path, models: Path) -> None:

@@ -49,6 +49,32 @@ def test_an_idle_server_ends(path: Path) -> None:
     assert not path.exists()
 
 
+def test_a_client_for_which_there_is_no_room_waits_until_another_has_gone(path: Path) -> None:
+    server = Server(listening(path), str(path), 600)
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with socket.socket(socket.AF_UNIX) as first, socket.socket(socket.AF_UNIX) as second:
+        first.connect(str(path))
+        server.step(None, 0)
+        second.connect(str(path))
+        second.sendall(b'{"id": 1, "server": "status"}\n')
+        lowest = os.dup(first.fileno())
+        os.close(lowest)
+        try:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (lowest, before[1]))
+            server.step(None, 0)
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, before)
+        server.step(None, 0)
+        with pytest.raises(BlockingIOError):
+            second.recv(1, socket.MSG_DONTWAIT)
+        first.close()
+        for _ in range(4):
+            server.step(None, 0)
+        assert b'"status":0' in second.recv(4096)
+    server.step(None, 0)
+    server.leave()
+
+
 def test_a_socket_that_is_not_the_servers_own_stays(path: Path) -> None:
     server = Server(listening(path), str(path), 0)
     path.unlink()

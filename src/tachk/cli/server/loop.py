@@ -11,6 +11,7 @@ import signal
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from errno import EMFILE, ENFILE
 from time import monotonic
 
 import tachk
@@ -30,9 +31,6 @@ from tachk.cli.server.scripts import key_of_own_scripts
 from tachk.cli.server.sources import Sources, loaded_files
 from tachk.cli.server.work import Work, begun
 from tachk.cli.server.worker import limits_of, may_become
-
-_MOST_CLIENTS = 200
-"""Further ones wait until others have gone: the number of open files is limited."""
 
 _GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
 
@@ -67,6 +65,7 @@ class Server:
         self._works: list[Work] = []
         self._finished = 0
         self._ending = False
+        self._full = False
 
     def serve(self) -> None:
         """Serves until the server has been idle for too long, or is stopped, and its requests have ended."""
@@ -103,7 +102,7 @@ class Server:
         poll = select.poll()
         if signals is not None:
             poll.register(signals, select.POLLIN)
-        if not self._ending and len(self._clients) < _MOST_CLIENTS:
+        if not self._ending and not self._full:
             poll.register(self._listening, select.POLLIN)
         for client in self._clients.values():
             events = 0 if client.ended else select.POLLIN
@@ -139,13 +138,16 @@ class Server:
                         work.end(found[1])
 
     def _accept(self) -> None:
-        with suppress(OSError):  # it is gone again, or there are too many
+        try:
             connected, _ = self._listening.accept()
-            process, user = credentials_of(connected)
-            if user in (None, os.getuid()):
-                self._clients[connected.fileno()] = Connection(connected, process)
-            else:
-                connected.close()
+        except OSError as error:
+            self._full = error.errno in (EMFILE, ENFILE)  # otherwise it is gone again
+            return
+        process, user = credentials_of(connected)
+        if user in (None, os.getuid()):
+            self._clients[connected.fileno()] = Connection(connected, process)
+        else:
+            connected.close()
 
     def _handle_client(self, client: Connection, events: int) -> None:
         try:
@@ -235,6 +237,7 @@ class Server:
                 work.abandon()
         del self._clients[client.fileno()]
         client.close()
+        self._full = False  # others may wait
 
     def _forget_ended(self) -> None:
         ended = [work for work in self._works if work.is_over]
