@@ -24,6 +24,7 @@ constexpr const char* inherited[] = {"PYTHON",  "LC_",    "LANG", "LD_",       "
                                      "MALLOC_", "GLIBC_", "OMP_", "OPENBLAS_", "MKL_"};
 constexpr const char* not_for_server[] = {"serve", "mcp", "step", "proxy", "bridge"};
 constexpr const char* of_a_process[] = {"/dev/fd/", "/dev/tty", "/proc/"};
+constexpr const char* namespaces[] = {"/proc/self/ns/mnt", "/proc/self/ns/pid", "/proc/self/ns/net"};
 constexpr int handed_on[] = {SIGINT, SIGTERM, SIGTSTP};
 
 int connection = -1;
@@ -88,8 +89,9 @@ std::string key(const std::string& folder) {
   for (const std::string& each : started) made += "\n" + each;
   made += "\n" + std::to_string(getuid()) + " " + std::to_string(getgid());
   for (int n = 0; n < count; ++n) made += " " + std::to_string(groups[n]);
-  return made + "\n" + std::to_string(root.st_dev) + " " + std::to_string(root.st_ino) + "\n" +
-         target_of("/proc/self/ns/mnt");
+  made += "\n" + std::to_string(root.st_dev) + " " + std::to_string(root.st_ino);
+  for (const char* space : namespaces) made += "\n" + target_of(space);
+  return made;
 }
 
 std::string usual_socket(const std::string& of) {

@@ -12,7 +12,12 @@ if os.name != "posix":
     pytest.skip("needs Unix sockets", allow_module_level=True)
 
 import resource
+from types import SimpleNamespace
 
+from click.testing import CliRunner
+
+from tachk.cli import start
+from tachk.cli.commands import serve
 from tachk.cli.server import identity
 from tachk.cli.server.binding import UnusableSocketError, bound
 from tachk.cli.server.loop import Server
@@ -135,6 +140,20 @@ def test_the_folder_of_another_user_is_not_touched(tmp_path: Path, monkeypatch: 
     monkeypatch.setenv("TMPDIR", "/elsewhere")
     monkeypatch.setattr(os, "getuid", lambda: 12345)
     assert identity.private_folder() == "/elsewhere/tachk-12345"
+
+
+def test_a_system_without_such_sockets_has_no_server(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    windows = SimpleNamespace(name="nt")
+    monkeypatch.setattr(start, "os", windows)
+    start._use_server("auto")
+    with pytest.raises(SystemExit) as ended:
+        start._use_server("C:\\s")
+    assert (ended.value.code, "there are no servers on this system" in capsys.readouterr().err) == (2, True)
+    monkeypatch.setattr(serve, "os", windows)
+    done = CliRunner().invoke(serve.command, [])
+    assert (done.exit_code, "needs Unix sockets" in done.stderr) == (2, True)
 
 
 def test_changed_sources_are_noticed(tmp_path: Path) -> None:

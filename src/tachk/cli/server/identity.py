@@ -12,6 +12,9 @@ import tachk
 _INHERITED = ("PYTHON", "LC_", "LANG", "LD_", "DYLD_", "MALLOC_", "GLIBC_", "OMP_", "OPENBLAS_", "MKL_")
 """The beginnings of the names of variables that a process reads when it starts, and a copy of the server could not."""
 
+_NAMESPACES = ("mnt", "pid", "net")
+"""What Linux can show to one process and not to another: files, processes, interfaces."""
+
 _OPTIONS_WITH_VALUE = ("-W", "-X")
 
 
@@ -57,12 +60,12 @@ def _circumstances() -> list[str]:
     """What a process has from its caller and cannot change."""
     root = os.stat("/")
     try:
-        mounts = os.readlink("/proc/self/ns/mnt")
+        namespaces = [os.readlink(f"/proc/self/ns/{kind}") for kind in _NAMESPACES]
     except OSError:
-        mounts = ""
+        namespaces = []
     started = sorted(f"{name}={value}" for name, value in os.environ.items() if name.startswith(_INHERITED))
     rights = (os.getuid(), os.getgid(), *sorted(os.getgroups()))
-    return [*started, " ".join(map(str, rights)), f"{root.st_dev} {root.st_ino}", mounts]
+    return [*started, " ".join(map(str, rights)), f"{root.st_dev} {root.st_ino}", *namespaces]
 
 
 def private_folder() -> str:
