@@ -409,6 +409,19 @@ def test_the_first_call_starts_a_server_for_the_next_ones(tmp_path: Path, models
     assert call("serve", "--stop", cwd=models, variables=auto).stdout == f"no server at {path}\n"
 
 
+def test_a_server_that_may_do_less_than_a_caller_makes_room(tmp_path: Path, models: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir(mode=0o700)
+    auto = environment(folder, "auto")
+    assert run("ulimit -n 256; tachk verify m.ta --quiet", models, auto)[0] == 10
+    (path,) = sockets(folder)
+    limited = inquire(path)["process"]
+    assert run("verify m.ta --quiet", models, auto)[0] == 10
+    assert inquire(path)["process"] != limited
+    assert run("ulimit -n 256; tachk verify m.ta --quiet", models, auto)[0] == 10
+    assert inquire(path, "stop")["carried_out"] == 1
+
+
 def test_a_folder_that_others_may_open_has_no_server(tmp_path: Path, models: Path) -> None:
     folder = tmp_path / "run"
     (folder / "tachk").mkdir(parents=True)

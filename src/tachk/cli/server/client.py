@@ -51,8 +51,7 @@ def use_server(setting: str) -> None:
         why = _ended_by(connection, own)  # returns only if nothing has been done
     if setting != "auto":
         _end_with(f"{path}: {why}", _BAD_INPUT, "start a server by tachk serve --socket PATH, or set TACHK_SERVER=auto")
-    if connection is None:
-        _start(path)
+    _start(path)  # also where a server has ended because it does not fit any more
 
 
 def _is_work_for_server(words: list[str]) -> bool:
