@@ -27,7 +27,6 @@ class Reachable final {
   CoveringSteps* steps() { return recorded_ ? &recorded_->steps : nullptr; }
   // True if a run may end in a state whose steps are recorded.
   bool may_end() const { return recorded_ && recorded_->may_end; }
-  void drop_steps() { recorded_.reset(); }
 
   // Expands one state; false if none is left. Throws ModelFault, ConstantOverflow.
   bool advance(symbolic::SymbolicState& source);

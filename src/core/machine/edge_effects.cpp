@@ -163,7 +163,7 @@ bool EffectReader::Sequence::step(Opcode here, std::int32_t position) {
       return push({});
     }
     case Opcode::call:
-      if (reader_.sets_clocks(word(position + 1))) return false;
+      if (!reader_.clocks_set_by(word(position + 1)).empty()) return false;
       forget_slots();
       stack_.insert(stack_.end(), static_cast<std::size_t>(reader_.code_.results(word(position + 1))), Term{});
       return true;
@@ -279,40 +279,15 @@ bool EffectReader::is_harmless(std::int32_t start) const {
   return true;
 }
 
-bool EffectReader::sets_clocks(std::int32_t start) {
-  const auto known = sets_clocks_.find(start);
-  if (known != sets_clocks_.end()) return known->second;
-  bool found = false;
-  std::set<std::int32_t> seen;
-  std::vector<std::int32_t> open{start};
-  while (!open.empty() && !found) {
-    const std::int32_t position = open.back();
-    open.pop_back();
-    if (!seen.insert(position).second) continue;
-    const auto here = static_cast<Opcode>(program_.code.at(static_cast<std::size_t>(position)));
-    switch (here) {
-      case Opcode::end:
-      case Opcode::call_return:
-        continue;
-      case Opcode::reset:
-      case Opcode::copy_clock:
-      case Opcode::advance_clock:
-        found = true;
-        break;
-      case Opcode::jump:
-      case Opcode::jump_if_zero:
-      case Opcode::jump_if_nonzero:
-      case Opcode::call:
-        open.push_back(program_.code.at(static_cast<std::size_t>(position) + 1));
-        if (here == Opcode::jump) continue;
-        break;
-      default:
-        break;
-    }
-    open.push_back(position + 1 + effect_of(here).operands);
-  }
-  sets_clocks_.emplace(start, found);
-  return found;
+const std::vector<std::uint16_t>& EffectReader::clocks_set_by(std::int32_t code) {
+  const auto [entry, fresh] = clocks_set_.try_emplace(code);
+  std::vector<std::uint16_t>& clocks = entry->second;
+  if (!fresh) return clocks;
+  CodeAccesses accesses(program_);
+  accesses.add(code);
+  for (std::uint16_t clock = 1; clock <= program_.clocks; ++clock)
+    if (accesses.writes.has_clock(clock)) clocks.push_back(clock);
+  return clocks;
 }
 
 bool EffectReader::fails(std::int32_t code, Range expected) {
@@ -381,13 +356,7 @@ EdgeEffects EffectReader::of(const Edge& edge) {
       effects = std::move(sequence).take();
     } else {
       effects.any_slot = effects.update_can_fail = true;
-      if (sets_clocks(update.code)) {
-        CodeAccesses accesses(program_);
-        accesses.add(update.code);
-        for (int clock = 1; clock <= program_.clocks; ++clock)
-          if (accesses.writes.has_clock(static_cast<std::size_t>(clock)))
-            effects.clocks.push_back({static_cast<std::uint16_t>(clock), std::nullopt});
-      }
+      for (const std::uint16_t clock : clocks_set_by(update.code)) effects.clocks.push_back({clock, std::nullopt});
     }
   }
   effects.guard_can_fail = can_fail(edge.guard) || fails(edge.channel_code);

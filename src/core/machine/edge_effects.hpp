@@ -65,14 +65,14 @@ class EffectReader {
   bool fails(std::int32_t code, Range expected);
   bool fails(std::int32_t code) { return fails(code, Range{}); }
   bool is_harmless(std::int32_t start) const;
-  // True if code may set a clock.
-  bool sets_clocks(std::int32_t start);
+  // The clocks that code may set.
+  const std::vector<std::uint16_t>& clocks_set_by(std::int32_t code);
   // The ranges of variables where the tests of a guard hold.
   Known narrowed(const program::Condition& guard) const;
 
   const program::Program& program_;
   MachineCode code_;
-  std::map<std::int32_t, bool> sets_clocks_;  // of functions
+  std::map<std::int32_t, std::vector<std::uint16_t>> clocks_set_;  // by code that has been looked at
 };
 
 }  // namespace tachk::machine

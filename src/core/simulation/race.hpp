@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "simulation/moments.hpp"
 #include "simulation/present.hpp"
 #include "simulation/process_set.hpp"
+#include "simulation/tournament.hpp"
 
 namespace tachk::simulation {
 
@@ -56,8 +56,8 @@ class Race {
   static flow::Ticks drawn(Present& present, std::size_t process, flow::Ticks first, flow::Ticks last,
                            flow::Ticks limit);
 
-  Moments due_;    // when it acts
-  Moments limit_;  // when its invariant ends
+  Tournament due_;    // when it acts
+  Tournament limit_;  // when its invariant ends
   std::vector<Wait> waits_;
   ProcessSet parked_;  // those that wait so
 };

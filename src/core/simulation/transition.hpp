@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "simulation/moments.hpp"
 #include "simulation/present.hpp"
+#include "simulation/tournament.hpp"
 
 namespace tachk::simulation {
 

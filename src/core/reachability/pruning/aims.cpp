@@ -32,7 +32,7 @@ class Builder {
   explicit Builder(const Program& program)
       : program_(program), reader_(program), writers_(static_cast<std::size_t>(program.clocks) + 1) {
     for (const program::Process& process : program.processes) {
-      Steps& steps = steps_.emplace_back();
+      EdgesOfProcess& steps = steps_.emplace_back();
       steps.from.resize(process.locations.size());
       steps.to.resize(process.locations.size());
     }
@@ -43,7 +43,7 @@ class Builder {
     }
     for (std::size_t number = 0; number < program.edges.size(); ++number) {
       const program::Edge& edge = program.edges[number];
-      Steps& steps = steps_[edge.process];
+      EdgesOfProcess& steps = steps_[edge.process];
       steps.from[static_cast<std::size_t>(edge.source)].push_back({&edge, &effects_[number]});
       steps.to[static_cast<std::size_t>(edge.target)].push_back({&edge, &effects_[number]});
       ++steps.count;
@@ -83,8 +83,8 @@ class Builder {
       for (const Atom& atom : atoms)
         if (const std::uint16_t clock = only_clock(atom); clock != 0 && is_own(process, clock)) clocks.insert(clock);
     };
-    for (const std::vector<Step>& steps : steps_[process].from)
-      for (const Step& step : steps) add(step.edge->guard.atoms);
+    for (const std::vector<EdgeWithEffects>& steps : steps_[process].from)
+      for (const EdgeWithEffects& step : steps) add(step.edge->guard.atoms);
     for (const program::Location& location : program_.processes[process].locations) add(location.invariant.atoms);
     add(more);
     if (clocks.empty()) clocks.insert(0);
@@ -97,8 +97,8 @@ class Builder {
       for (const Atom& atom : atoms)
         if (clock != 0 && only_clock(atom) == clock) constants.push_back(std::abs(zones::raw_value(atom.raw)));
     };
-    for (const std::vector<Step>& steps : steps_[process].from)
-      for (const Step& step : steps) add(step.edge->guard.atoms);
+    for (const std::vector<EdgeWithEffects>& steps : steps_[process].from)
+      for (const EdgeWithEffects& step : steps) add(step.edge->guard.atoms);
     for (const program::Location& location : program_.processes[process].locations) add(location.invariant.atoms);
     add(more);
     View made{&program_, process, Intervals(clock, std::move(constants)), &steps_[process]};
@@ -166,7 +166,7 @@ class Builder {
       }
     if (!of_variables.empty()) read_accesses();
     for (const auto& [slot, tests] : of_variables)
-      if (std::optional<Values> values = values_before(program_, effects_, slot, tests))
+      if (std::optional<ValueSet> values = values_before(program_, effects_, slot, tests))
         aim.values.push_back(*std::move(values));
     return aim;
   }
@@ -206,8 +206,8 @@ class Builder {
     for (std::size_t location = 0; location < program_.processes[process].locations.size(); ++location)
       if (may_fail_in(process, location)) return true;
     const auto& from = steps_[process].from;
-    return std::any_of(from.begin(), from.end(), [](const std::vector<Step>& steps) {
-      return std::any_of(steps.begin(), steps.end(), [](const Step& step) {
+    return std::any_of(from.begin(), from.end(), [](const std::vector<EdgeWithEffects>& steps) {
+      return std::any_of(steps.begin(), steps.end(), [](const EdgeWithEffects& step) {
         return step.effects->guard_can_fail || step.effects->update_can_fail;
       });
     });
@@ -225,7 +225,7 @@ class Builder {
       for (std::size_t location = 0; location < made.locations().size(); ++location)
         if (may_fail_in(process, location)) add(location, {});
       for (std::size_t source = 0; source < made.locations().size(); ++source)
-        for (const Step& step : made.steps->from[source])
+        for (const EdgeWithEffects& step : made.steps->from[source])
           if (step.effects->guard_can_fail)
             add(source, {});
           else if (step.effects->update_can_fail || may_fail_in(process, static_cast<std::size_t>(step.edge->target)))
@@ -241,7 +241,7 @@ class Builder {
   machine::EffectReader reader_;
   std::vector<machine::EdgeEffects> effects_;     // of each edge
   std::vector<std::set<std::uint32_t>> writers_;  // of each clock the processes that set it
-  std::vector<Steps> steps_;                      // of each process
+  std::vector<EdgesOfProcess> steps_;             // of each process
   std::map<std::tuple<std::uint32_t, std::uint16_t, std::size_t, PairSet>, std::size_t> known_;
   std::size_t work_ = 0;
   Aims aims_;

@@ -22,7 +22,7 @@ struct Places {
 
 struct Aim {
   std::vector<std::size_t> places;  // by their numbers in `Aims`
-  std::vector<Values> values;
+  std::vector<ValueSet> values;
 
   bool is_trivial() const { return places.empty() && values.empty(); }
 };

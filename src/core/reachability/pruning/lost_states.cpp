@@ -14,7 +14,7 @@ LostStates::LostStates(const program::Program& program, const zones::ZoneOperati
 
 bool LostStates::may_meet(const Aim& aim, const symbolic::Successor& state) const {
   const bool right_values = std::all_of(aim.values.begin(), aim.values.end(),
-                                        [&](const Values& values) { return values.holds(state.slots); });
+                                        [&](const ValueSet& values) { return values.holds(state.slots); });
   return right_values && std::all_of(aim.places.begin(), aim.places.end(), [&](std::size_t number) {
            const Places& places = aims_.places[number];
            const auto& intervals = places.intervals[static_cast<std::size_t>(state.slots[places.process])];

@@ -1,5 +1,5 @@
-// Drops what is lost: a state from which one process or one variable that each disjunct of each open goal names can no
-// longer come to what is asked of it, whatever everybody else does, and none to a run-time error.
+// Drops what is lost: a state from which, for each disjunct of each open goal, one process or one variable that it
+// names can no longer reach its part of the goal, whatever everybody else does, and none a run-time error.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,7 @@ namespace {
 
 // The pairs that a step leads to from an interval in which it is possible: calls visit(interval).
 template <class Visit>
-void for_each_entered(const View& view, const Step& step, std::size_t interval, Visit&& visit) {
+void for_each_entered(const View& view, const EdgeWithEffects& step, std::size_t interval, Visit&& visit) {
   const std::uint16_t clock = view.intervals.clock();
   const Location& target = view.locations()[static_cast<std::size_t>(step.edge->target)];
   const auto enter = [&](std::size_t entered) {
@@ -67,7 +67,7 @@ void for_each_entered(const View& view, const Step& step, std::size_t interval, 
   for (std::size_t any = 0; any < view.intervals.size(); ++any) enter(any);
 }
 
-bool is_possible(const View& view, const Step& step, std::size_t interval) {
+bool is_possible(const View& view, const EdgeWithEffects& step, std::size_t interval) {
   const Location& source = view.locations()[static_cast<std::size_t>(step.edge->source)];
   return view.intervals.satisfies(interval, step.edge->guard.atoms) &&
          view.intervals.satisfies(interval, source.invariant.atoms);
@@ -93,7 +93,7 @@ PairSet backward(const View& view, PairSet pairs) {
     for (std::size_t interval = intervals - 1; interval > 0; --interval)
       if (pairs[view.number(location, interval)] && may_wait(view, location, interval))
         pairs[view.number(location, interval - 1)] = true;
-    for (const Step& step : view.steps->to[location])
+    for (const EdgeWithEffects& step : view.steps->to[location])
       for (std::size_t interval = 0; interval < intervals; ++interval) {
         const auto before = static_cast<std::size_t>(step.edge->source);
         const std::size_t source = view.number(before, interval);
@@ -127,7 +127,7 @@ bool may_leave(const View& view, const PairSet& pairs) {
     open.pop_back();
     if (!pairs[view.number(location, interval)]) return true;
     if (interval + 1 < intervals && may_wait(view, location, interval + 1)) reach(location, interval + 1);
-    for (const Step& step : view.steps->from[location])
+    for (const EdgeWithEffects& step : view.steps->from[location])
       if (is_possible(view, step, interval))
         for_each_entered(view, step, interval,
                          [&](std::size_t entered) { reach(static_cast<std::size_t>(step.edge->target), entered); });

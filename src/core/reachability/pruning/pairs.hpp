@@ -37,15 +37,15 @@ class Intervals {
 };
 
 // An edge of the process and what it does.
-struct Step {
+struct EdgeWithEffects {
   const program::Edge* edge;
   const machine::EdgeEffects* effects;
 };
 
 // The edges of a process by their locations.
-struct Steps {
-  std::vector<std::vector<Step>> from;
-  std::vector<std::vector<Step>> to;
+struct EdgesOfProcess {
+  std::vector<std::vector<EdgeWithEffects>> from;
+  std::vector<std::vector<EdgeWithEffects>> to;
   std::size_t count = 0;
 };
 
@@ -54,7 +54,7 @@ struct View {
   const program::Program* program;
   std::uint32_t process;
   Intervals intervals;
-  const Steps* steps;  // of the process
+  const EdgesOfProcess* steps;  // of the process
 
   const std::vector<program::Location>& locations() const { return program->processes[process].locations; }
   std::size_t number(std::size_t location, std::size_t interval) const {

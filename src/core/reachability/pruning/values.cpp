@@ -48,8 +48,8 @@ std::optional<std::vector<Change>> changes_of(const Program& program, const std:
 
 }  // namespace
 
-std::optional<Values> values_before(const Program& program, const std::vector<EdgeEffects>& effects, std::uint32_t slot,
-                                    const std::vector<Test>& tests) {
+std::optional<ValueSet> values_before(const Program& program, const std::vector<EdgeEffects>& effects,
+                                      std::uint32_t slot, const std::vector<Test>& tests) {
   const program::Slot& variable = program.slots[slot];
   const std::int64_t count = std::int64_t{variable.high} - variable.low + 1;
   if (variable.meta || slot >= program.state_slots || count > most_values) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<Values> values_before(const Program& program, const std::vector<Ed
         change.kind == EdgeEffects::Kind::set ? change.number - variable.low : place + change.number;
     return next >= 0 && next < count ? std::optional(static_cast<std::size_t>(next)) : std::nullopt;
   };
-  Values values{slot, variable.low, std::vector<bool>(static_cast<std::size_t>(count), false)};
+  ValueSet values{slot, variable.low, std::vector<bool>(static_cast<std::size_t>(count), false)};
   for (std::int64_t place = 0; place < count; ++place)
     values.members[static_cast<std::size_t>(place)] = hold(tests, static_cast<std::int32_t>(variable.low + place));
   for (bool changed = true; changed;) {

@@ -12,7 +12,7 @@
 
 namespace tachk::reachability::pruning {
 
-struct Values {
+struct ValueSet {
   std::uint32_t slot;
   std::int32_t low;
   std::vector<bool> members;  // from the lowest value on
@@ -22,7 +22,7 @@ struct Values {
 
 // None if the variable may leave it never, or if it has too many values, or if some edge sets it to anything.
 // `effects`: of each edge.
-std::optional<Values> values_before(const program::Program& program, const std::vector<machine::EdgeEffects>& effects,
-                                    std::uint32_t slot, const std::vector<program::Test>& tests);
+std::optional<ValueSet> values_before(const program::Program& program, const std::vector<machine::EdgeEffects>& effects,
+                                      std::uint32_t slot, const std::vector<program::Test>& tests);
 
 }  // namespace tachk::reachability::pruning

@@ -15,9 +15,9 @@ namespace tachk::simulation {
 // So many processes are looked at one by one faster than sets and trees of them are kept.
 inline constexpr std::size_t few_processes = 16;
 
-class Moments {
+class Tournament {
  public:
-  explicit Moments(std::size_t processes)
+  explicit Tournament(std::size_t processes)
       : inner_(processes <= few_processes ? 0 : std::bit_ceil(processes)), least_(inner_ + processes, flow::never) {
     if (inner_ != 0) least_.resize(2 * inner_, flow::never);
   }
