@@ -1,12 +1,13 @@
 """Certificates that have been tampered with, before both checkers: `python -m bench.tampered_certificates N SEED`.
 
-Each is a certificate of a random network, of a random model with interchangeable processes or of Fischer's protocol in
-which one to three bounds, discrete states, ranks, elements or numbers of what is interchangeable have been changed,
-exchanged or left out. It is offered for what it proved, and for something false about
-the same network (a state that can be reached, or an obligation that some run does not meet) or, of Fischer's protocol,
-about the variant that is wrong. Whatever is false must be rejected. What is accepted for something true is confirmed by
-a third reading, the symbolic semantics of single states: it is still a proof. Exit status 1 if anything false is
-accepted, the checkers differ, or the third reading does not confirm.
+Each is a certificate of a random network, of a random model with interchangeable processes, of one in which much is
+lost or of Fischer's protocol in which one to three bounds, discrete states, ranks, elements, numbers of what is
+interchangeable or traps have been changed, exchanged or left out. It is offered for what it proved, and for something
+false about the same network (a state that can be reached, or an obligation that some run does not meet) or, of
+Fischer's protocol, about the variant that is wrong. Whatever is false must be rejected. What is accepted for something
+true is confirmed by a third reading, the symbolic semantics of single states: it is still a proof, and a short search
+from what is left out finds nothing. Exit status 1 if anything false is accepted, the checkers differ, or the third
+reading does not confirm.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby, permutations, product
+from itertools import groupby, islice, permutations, product
 from random import Random
 
 import numpy as np
@@ -28,7 +29,7 @@ from tachk.base.words import QueryKind
 from tachk.engine.options import Limits
 from tachk.meaning import dbm
 from tachk.meaning.dbm import Zone
-from tachk.meaning.discrete import prepare
+from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.meaning.judge.certificate import (
     CertificateHeader,
     CertificateReader,
@@ -40,6 +41,7 @@ from tachk.meaning.judge.certificate import (
     starts,
 )
 from tachk.meaning.judge.transpositions import SymmetryGroup, group_element
+from tachk.meaning.judge.trap import FOR_EVER, Trap
 from tachk.meaning.symbolic import elapse, fire, initial_situation, intersections, situation, where
 from tachk.model.network import Network
 from tachk.model.query import Query
@@ -48,6 +50,7 @@ from tachk.model.run import DiscreteState
 from tachk.verify.certificates import Checker, Proof, check_proof, find_proof, is_provable
 from tachk.verify.verdict import Answer
 from tachk.verify.verify import verify
+from tests.support.missed_moments import random_missed_moments
 from tests.support.symmetric.cases import random_symmetric_case
 from tests.support.symmetric.controllers import random_controller_case
 from tests.support.symmetric.cycles import random_ring_case
@@ -63,6 +66,8 @@ SHAPES = (
 _LIMITS = Limits(states=1_000)
 _LARGEST = 60
 _OF_EACH = 5
+_LEFT_OUT = 200
+"""So many states are explored from what is left out."""
 
 
 @dataclass
@@ -113,6 +118,11 @@ def _claims(seed: int) -> Iterator[Claim]:
     for number in range(sys.maxsize):
         if number % 4 == 2:
             yield from _claims_of(_interchangeable(Random(seed + number)))
+            continue
+        if number % 4 == 3:
+            moments = random_missed_moments(Random(seed + number))
+            model = tachk.loads(moments.text)
+            yield from _claims_of((model.network, list(model.verify(*moments.queries, limits=_LIMITS, trace=False))))
             continue
         if number % 4 == 0:
             right, wrong = (tachk.load(path, N=2 + number // 4 % 3, **constants) for constants in ({}, {"WAIT": 9}))
@@ -184,9 +194,36 @@ def _tampered(proof: Proof, random: Random) -> bytes:
         _change(elements, random, proof.header.kind)
     elements.sort(key=lambda element: (element.discrete, element.rank > 0))
     stream = io.BytesIO()
-    header = proof.header if random.random() < 0.7 else _with_other_groups(proof.header, random)
+    header = (
+        proof.header if random.random() < 0.7 else _with_other_groups(_with_other_traps(proof.header, random), random)
+    )
     CertificateWriter(stream).write(header, [_block(elements, proof.header.width)] if elements else [])
     return stream.getvalue()
+
+
+def _with_other_traps(header: CertificateHeader, random: Random) -> CertificateHeader:
+    """A number of a trap changed, or something of what lies outside of it left out, or a trap left out."""
+    if not header.traps:
+        return header
+    traps = list(header.traps)
+    number = random.randrange(len(traps))
+    slot, clock, outside = traps[number].slot, traps[number].clock, [*map(list, traps[number].outside)]
+    match random.randrange(5):
+        case 0:
+            del traps[number]
+            return replace(header, traps=tuple(traps))
+        case 1:
+            slot = max(slot + random.choice((-1, 1)), 0)
+        case 2:
+            clock = max(clock + random.choice((-1, 1)), 0)
+        case 3 if outside:
+            del outside[random.randrange(len(outside))]
+        case _:
+            part = random.choice(outside or [[0, 0, 0]])
+            place = random.randrange(3)
+            part[place] = max(part[place] + random.choice((-1, 1)), 0)
+    traps[number] = Trap(slot, clock, tuple((value, first, min(last, FOR_EVER)) for value, first, last in outside))
+    return replace(header, traps=tuple(traps))
 
 
 def _with_other_groups(header: CertificateHeader, random: Random) -> CertificateHeader:
@@ -312,8 +349,13 @@ def _is_closed(network: Network, query: Query, certificate: CertificateReader) -
         found = dbm.constrain_all(dbm.universe(dimension), told)
         zones[discrete] += [] if found is None else [found]
 
+    left_out: list[tuple[DiscreteState, dbm.Federation]] = []
+
     def contains(discrete: DiscreteState, reached: dbm.Federation) -> bool:
-        return not dbm.subtract_all(reached, zones.get(discrete, []))
+        left = dbm.subtract_all(reached, zones.get(discrete, []))
+        if left:
+            left_out.append((discrete, left))
+        return not left or bool(certificate.header.traps)
 
     here, start = initial_situation(model)
     assert query.target is not None
@@ -334,7 +376,30 @@ def _is_closed(network: Network, query: Query, certificate: CertificateReader) -
             there = situation(model, move.target)
             if not contains(move.target, elapse(there, reached)):
                 return False
-    return True
+    return not _is_met_later(model, query, left_out)
+
+
+def _is_met_later(model: PreparedNetwork, query: Query, pending: list[tuple[DiscreteState, dbm.Federation]]) -> bool:
+    """Whether a short search from symbolic states finds what the query asks for, or a run-time error."""
+    assert query.target is not None
+    seen: dict[DiscreteState, list[Zone]] = defaultdict(list)
+    for discrete, held in islice(iter(lambda: pending.pop(0) if pending else None, None), _LEFT_OUT):
+        here = situation(model, discrete)
+        inside = [] if here.invariant is None else intersections(held, [here.invariant])
+        bad = [*where(model, here, query.target), *(zone for fault in here.faults for zone in fault.domain)]
+        if intersections(bad, inside):
+            return True
+        for move in here.moves:
+            moved = fire(here, inside, move)
+            if not moved:
+                continue
+            if move.target is None:
+                return True
+            new = dbm.subtract_all(elapse(situation(model, move.target), moved), seen[move.target])
+            if new:
+                seen[move.target] += new
+                pending.append((move.target, new))
+    return False
 
 
 if __name__ == "__main__":

@@ -55,6 +55,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engine/simulation/simulator.py",
         "engine/simulation/splitting.py",
         "engine/simulation/trials.py",
+        "engine/traps.py",
         "engine/zone.py",
         "base/job.py",
         "recordings/traces/core_monitor.py",

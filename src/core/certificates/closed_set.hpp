@@ -3,9 +3,11 @@
 // be in ranked elements, from which each run meets the first goal: successors have smaller ranks or satisfy it, and
 // nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020). If the first goal is empty, that says that
 // the second one is not reached, for nothing has ranks then. If there is no second goal, the initial state has a rank.
-// Each state stands for all that permutations of what is interchangeable in the program make of it: the union of these
-// sets is what is closed. The set is a proof only if each permutation maps the program and the goals onto themselves.
-// tachk.meaning.judge.closed_set is the same check in Python, which does without the compiler as well.
+// A state need not be in the set if it lies in sets that no run leaves, of which each part of the goal, and each
+// possible run-time error, misses one (`Traps`). Each state stands for all that permutations of what is interchangeable
+// in the program make of it: the union of these sets is what is closed. The set is a proof only if each permutation
+// maps the program and the goals onto themselves. tachk.meaning.judge.closed_set is the same check in Python, which
+// does without the compiler as well.
 #pragma once
 
 #include <algorithm>
@@ -18,6 +20,7 @@
 
 #include "certificates/arrangements.hpp"
 #include "certificates/network.hpp"
+#include "certificates/traps.hpp"
 
 namespace tachk::certificates {
 
@@ -39,11 +42,12 @@ struct Block {
 
 class ClosedSet final {
  public:
-  explicit ClosedSet(program::Program program) : network_(std::move(program)), initial_(network_.initial()) {}
+  ClosedSet(program::Program program, Traps traps)
+      : network_(std::move(program)), traps_(std::move(traps)), initial_(network_.initial()) {}
 
   // Throws std::invalid_argument for what is no state of the program.
   void add(const Block& block) {
-    const std::size_t n = network_.n, width = program_.state_slots;
+    const std::size_t n = network_.n, width = network_.program.state_slots;
     for (auto from = block.bounds.begin(); from < block.bounds.end(); from += n * n) {
       const Constraints constraints = Zone{n, {from, from + n * n}}.constraints();
       for (const zones::Atom& atom : constraints)
@@ -53,7 +57,7 @@ class ClosedSet final {
     for (std::size_t group = 0, e = 0; group < block.zones.size(); ++group) {
       const auto slots = block.discretes.subspan(group * width, width);
       for (std::size_t slot = 0; slot < width; ++slot)
-        expect(slots[slot] >= program_.slots[slot].low && slots[slot] <= program_.slots[slot].high,
+        expect(slots[slot] >= network_.program.slots[slot].low && slots[slot] <= network_.program.slots[slot].high,
                "a discrete state has a value out of its range");
       if (block.zones[group] == 0) continue;  // as if it were not there
       const bool ranked = block.ranks[e] > 0;
@@ -99,7 +103,7 @@ class ClosedSet final {
   // Of a discrete state: whether its elements have ranks, then the numbers that are not as in the initial state.
   const std::u32string& key(std::span<const std::int32_t> slots, bool ranked) {
     key_.assign(1, ranked);
-    for (std::size_t slot = 0; slot < program_.state_slots; ++slot)
+    for (std::size_t slot = 0; slot < network_.program.state_slots; ++slot)
       if (slots[slot] != initial_[slot]) (key_ += static_cast<char32_t>(slot)) += static_cast<char32_t>(slots[slot]);
     return key_;
   }
@@ -125,27 +129,42 @@ class ClosedSet final {
                               [&](const auto& slots, const Zone& arranged) { return covers(slots, arranged, below); });
   }
 
+  // The parts of a zone that are in no zone of the set.
+  Zones uncovered(const std::vector<std::int32_t>& slots, const Zone& zone) {
+    Zones rest{zone};
+    const auto found = numbers_.find(key(slots, false));
+    if (found == numbers_.end()) return rest;
+    for (std::size_t e = first_[found->second]; e < first_[found->second + 1] && !rest.empty(); ++e)
+      rest = without(rest, shapes_[elements_[e].shape].constraints);
+    return rest;
+  }
+  bool may_be_left_out(const Situation& there, const Zone& zone) {
+    if (traps_.none()) return false;
+    const Zones rest = arrangements_.none() ? uncovered(there.slots, zone) : Zones{zone};
+    return std::all_of(rest.begin(), rest.end(), [&](const Zone& part) { return traps_.have(there.slots, part); });
+  }
+
   // The bound up to which elements and their successors are checked.
   const program::Goal& goal(std::int64_t rank) const {
     static const program::Goal never;
-    return rank > 0 ? program_.goals[0] : never;
+    return rank > 0 ? network_.program.goals[0] : never;
   }
 
   // A zone is in the set with what it becomes by waiting, as far as the goal is not met before.
   void require(Situation& there, const Zone& zone, std::int64_t below, const char* otherwise) {
     if (zone.empty()) return;
     for (const Zone& part : network_.avoiding(goal(below), there, zone))
-      if (!covers_some_arrangement(there, part, below)) throw otherwise;
+      if (!covers_some_arrangement(there, part, below) && !may_be_left_out(there, part)) throw otherwise;
   }
   // Time cannot pass for ever before the goal is met, and some step stays possible.
   void check_ends(const Zone& zone) {
-    for (const Zone& later : network_.avoiding(program_.goals[0], here_, zone)) {
+    for (const Zone& later : network_.avoiding(network_.program.goals[0], here_, zone)) {
       bool for_ever = here_.waits;
       for (std::size_t i = 0; i < network_.n; ++i) for_ever &= here_.stands[i] || later.at(i, 0) >= unbounded;
       if (for_ever) throw "time can pass for ever, and the goal is not met";
     }
     Zones dead = network_.stuck(here_, zone, true);
-    for (Zone& met : network_.where(program_.goals[0], here_, network_.later(here_, zone), false)) {
+    for (Zone& met : network_.where(network_.program.goals[0], here_, network_.later(here_, zone), false)) {
       if (here_.waits && !here_.stops) met.go_back();
       dead = without(dead, met.constraints());
     }
@@ -156,11 +175,11 @@ class ClosedSet final {
     const Zones parts = without({zone}, network_.where(goal(rank), here_, zone, false));
     if (rank > 0)
       for (const Zone& part : parts) check_ends(part);
-    else if (program_.goals.size() > 1)
-      for (Zone& part : network_.where(program_.goals[1], here_, zone, true))
+    else if (network_.program.goals.size() > 1)
+      for (Zone& part : network_.where(network_.program.goals[1], here_, zone, true))
         require(here_, part, any_rank,
-                program_.goals[0].disjuncts.empty() ? "some state of the zone is one that must not be reached"
-                                                    : "it is not shown that the goal is met from here");
+                network_.program.goals[0].disjuncts.empty() ? "some state of the zone is one that must not be reached"
+                                                            : "it is not shown that the goal is met from here");
     for (const Zone& part : parts)
       for (Step& step : network_.steps(here_, part, steps_)) {
         network_.taking_part = step.edges;
@@ -171,9 +190,9 @@ class ClosedSet final {
     here_.slots = initial_;
     network_.describe(here_);
     Zone zone = Zone::filled(network_.n, zones::raw_zero);
-    for (const zones::ClockReset& start : program_.starts) zone.reset(start);
+    for (const zones::ClockReset& start : network_.program.starts) zone.reset(start);
     zone.tighten(here_.limits);
-    const std::int64_t below = program_.goals.size() > 1 ? 0 : any_rank;
+    const std::int64_t below = network_.program.goals.size() > 1 ? 0 : any_rank;
     if (here_.possible) require(here_, zone, below, "the initial state is not in the set");
   }
   void check_state(std::size_t state) {
@@ -191,12 +210,12 @@ class ClosedSet final {
   }
   void object(const char* reason) {
     objection_ = Objection{reason, {}, zone_, network_.taking_part};
-    if (next_ > 0) objection_->discrete.assign(here_.slots.begin(), here_.slots.begin() + program_.state_slots);
+    if (next_ > 0) objection_->discrete.assign(here_.slots.begin(), here_.slots.begin() + network_.program.state_slots);
   }
 
   Network network_;
-  const program::Program& program_ = network_.program;
-  const Arrangements arrangements_{program_.interchangeable};
+  const Traps traps_;
+  const Arrangements arrangements_{network_.program.interchangeable};
   const std::vector<std::int32_t> initial_;
   std::vector<Shape> shapes_;
   std::vector<Element> elements_;      // one state after the other

@@ -25,18 +25,20 @@ Options plain(Options options) {
 
 }  // namespace
 
-CoverSearch::Search::Search(symbolic::ZoneGraph& graph, const Options& options)
+CoverSearch::Search::Search(symbolic::ZoneGraph& graph, const Options& options, const pruning::Aims& aims)
     : passed(graph.program(), graph.operations(), options, graph.smaller_operations()),
       waiting(options.order, options.seed, UINT32_MAX),
       goals(graph.program(), graph.semantics(), graph.operations(), false),
-      deadlocks(graph, goals) {}
+      deadlocks(graph, goals),
+      lost(graph.program(), graph.operations(), goals, aims) {}
 
-CoverSearch::CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls)
+CoverSearch::CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls,
+                         const std::vector<pruning::Trap>& traps, const std::vector<std::vector<std::size_t>>& clauses)
     : options_(plain(options)),
       limits_(limits),
       graph_(std::move(program), options_),
       hulls_(hulls),
-      search_(std::make_unique<Search>(graph_, options_)),
+      search_(std::make_unique<Search>(graph_, options_, pruning::aims_within(graph_.program(), traps, clauses))),
       source_(graph_.blank()),
       hull_(graph_.operations()),
       parts_(graph_) {}
@@ -61,6 +63,7 @@ struct CoverSearch::Keeping {
   }
   bool wants(const Successor& successor) {
     if (!successor.edges.empty()) ++search.transitions_;
+    if (!search.search_->lost.on_successor(successor)) return false;
     discrete = search.search_->passed.locate();
     return !search.search_->passed.covers(discrete, {successor.zone, search.graph_.program().dimension()});
   }
@@ -177,7 +180,7 @@ bool CoverSearch::refine(std::uint32_t node) {
   }
   if (!found) return false;
   ++searches_;
-  search_ = std::make_unique<Search>(graph_, options_);
+  search_ = std::make_unique<Search>(graph_, options_, search_->lost.aims());
   return true;
 }
 

@@ -3,7 +3,8 @@
 // The search keeps for each discrete state the hull of all zones that arrive there, a larger set than is reachable. If
 // it meets a goal, that may be due to hulls: the discrete states on the way whose zones were widened keep all their
 // zones from then on, and the search begins again. What is found is closed under successors by construction, but
-// a proof is checked by other means (certificates/).
+// a proof is checked by other means (certificates/). States from which traps keep every run away from the goal are left
+// out, where the proof is to carry these traps.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,8 @@
 #include "reachability/explorer.hpp"
 #include "reachability/goals.hpp"
 #include "reachability/options.hpp"
+#include "reachability/pruning/lost_states.hpp"
+#include "reachability/pruning/traps.hpp"
 #include "states/store.hpp"
 #include "symbolic/zone_graph.hpp"
 #include "zones/patience.hpp"
@@ -27,8 +30,10 @@ namespace tachk::reachability {
 
 class CoverSearch final {
  public:
-  // `hulls`: off, every zone is kept, and the cover is what an Explorer stores.
-  CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls);
+  // `hulls`: off, every zone is kept, and the cover is what an Explorer stores. States are left out that lie in one of
+  // the traps of each clause, if there are clauses.
+  CoverSearch(program::Program program, const Options& options, const Limits& limits, bool hulls,
+              const std::vector<pruning::Trap>& traps, const std::vector<std::vector<std::size_t>>& clauses);
   CoverSearch(const CoverSearch&) = delete;
   CoverSearch& operator=(const CoverSearch&) = delete;
 
@@ -50,12 +55,13 @@ class CoverSearch final {
 
   // All that is given up when the search begins again.
   struct Search {
-    Search(symbolic::ZoneGraph& graph, const Options& options);
+    Search(symbolic::ZoneGraph& graph, const Options& options, const pruning::Aims& aims);
 
     states::PassedList passed;
     order::Waiting waiting;
     GoalWatch goals;
     DeadlockWatch deadlocks;
+    pruning::LostStates lost;
     std::vector<Mode> modes;            // of each discrete state
     std::vector<std::uint32_t> latest;  // of each discrete state with hulls: the node that has it
     std::vector<bool> widened;          // of each node: its zone is a hull

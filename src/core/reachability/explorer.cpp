@@ -54,7 +54,8 @@ Explorer::Parts::Parts(symbolic::ZoneGraph& graph, const Options& options)
       goals(graph.program(), graph.semantics(), graph.operations(), options.shortest),
       deadlocks(graph, goals),
       measures(graph.program(), graph.semantics(), graph.operations()),
-      lost(graph.program(), graph.operations(), goals, options.pruning) {}
+      lost(graph.program(), graph.operations(), goals,
+           options.pruning ? pruning::aims_of(graph.program()) : pruning::Aims{}) {}
 
 // ---- the loop -------------------------------------------------------------------------------------------------------
 

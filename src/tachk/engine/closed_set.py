@@ -12,19 +12,32 @@ from tachk.base.job import check_job
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import transition_of
 from tachk.engine.program_image import encode
+from tachk.engine.traps import image_of_trap
 from tachk.meaning.judge.certificate import Columns, MalformedCertificateError, Objection
+from tachk.meaning.judge.trap import Trap
 from tachk.model.run import DiscreteState
 
 _STATES_AT_ONCE = 100
 
 
-def check_closed_natively(program: Program, goal: Goal, blocks: Iterable[Columns]) -> Objection | None:
+def check_closed_natively(
+    program: Program,
+    goal: Goal,
+    traps: Sequence[Trap],
+    clauses: Sequence[Sequence[int]],
+    blocks: Iterable[Columns],
+) -> Objection | None:
     """The reason why symbolic states do not prove that the goal is unreachable; None if they do.
+
+    Args:
+        traps: each has been proved to be one.
+        clauses: numbers of traps; a state need not be in the set if it lies in one of each clause.
 
     Raises MalformedCertificateError for states that are none of the program.
     """
     never = Goal(())
-    return check_descent_natively(program, [never, goal], blocks)
+    given = _core.ClosedSet(encode(program, [never, goal]), list(map(image_of_trap, traps)), clauses)
+    return _objection(program, given, blocks)
 
 
 def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iterable[Columns]) -> Objection | None:
@@ -33,7 +46,10 @@ def check_descent_natively(program: Program, goals: Sequence[Goal], blocks: Iter
 
     Raises MalformedCertificateError for states that are none of the program.
     """
-    closed = _core.ClosedSet(encode(program, goals))
+    return _objection(program, _core.ClosedSet(encode(program, goals), [], []), blocks)
+
+
+def _objection(program: Program, closed: _core.ClosedSet, blocks: Iterable[Columns]) -> Objection | None:
     try:
         for block in blocks:
             check_job()

@@ -13,7 +13,9 @@ from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import core_limits, core_options, run_in_slices
 from tachk.engine.options import LARGEST_SEED, NEVER, Extrapolation, Limits, Options
 from tachk.engine.program_image import encode
+from tachk.engine.traps import image_of_trap
 from tachk.meaning.judge.certificate import StateBlock
+from tachk.meaning.judge.trap import Trap
 
 ZONES_IN_A_BLOCK = 4096
 
@@ -31,7 +33,8 @@ _STEPS_FOR_A_ZONE = 20
 
 @dataclass(frozen=True, slots=True)
 class Cover:
-    """A set that covers all reachable states and none that satisfies the goal, according to the core.
+    """A set that covers all reachable states, except for dropped ones, and none that satisfies the goal, according to
+    the core.
 
     Attributes:
         groups: how many discrete states it has.
@@ -44,18 +47,37 @@ class Cover:
     blocks: Callable[[], Iterator[StateBlock]]
 
 
-def find_cover(program: Program, goal: Goal, options: Options, limits: Limits) -> Cover | str:
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """The states that need not be covered: those that lie in one trap of each clause, if there are clauses.
+
+    Attributes:
+        clauses: numbers of traps.
+    """
+
+    traps: tuple[Trap, ...] = ()
+    clauses: tuple[tuple[int, ...], ...] = ()
+
+    def search(
+        self, image: Sequence[int], options: _core.Options, limits: _core.Limits, hulls: bool
+    ) -> _core.CoverSearch:
+        traps = list(map(image_of_trap, self.traps))
+        return _core.CoverSearch(image, options, limits, hulls=hulls, traps=traps, clauses=self.clauses)
+
+
+def find_cover(program: Program, goal: Goal, options: Options, limits: Limits, dropped: Dropped) -> Cover | str:
     """The smallest of some covers, or the reason why there is none: `_TwoSearches` finds two, `_single` one.
 
     With the bounds of LU a goal that asks for deadlock may seem reachable that is not; the maximum bounds are tried
     then.
     """
     for bounds in dict.fromkeys((options.extrapolation, Extrapolation.MAX)):
-        searches = _TwoSearches(program, goal, replace(options, extrapolation=bounds), replace(limits, depth=None))
+        chosen = replace(options, extrapolation=bounds)
+        searches = _TwoSearches(program, goal, chosen, replace(limits, depth=None), dropped)
         status, reason = run_in_slices(searches, time.perf_counter())
         best = searches.best()
         if best is not None:
-            single = _single(program, goal, options, best, searches.statistics()[0])
+            single = _single(program, goal, options, best, searches.statistics()[0], dropped)
             return best if single is None or single.zones >= best.zones else single
         if status is not _core.Status.FINISHED:
             return reason
@@ -72,9 +94,9 @@ class _TwoSearches:
     same cover comes out each time.
     """
 
-    def __init__(self, program: Program, goal: Goal, options: Options, limits: Limits) -> None:
+    def __init__(self, program: Program, goal: Goal, options: Options, limits: Limits, dropped: Dropped) -> None:
         image, taken, self._limits = encode(program, [goal]), core_options(options), limits
-        self._all = [_core.CoverSearch(image, taken, core_limits(limits), hulls=hulls) for hulls in (False, True)]
+        self._all = [dropped.search(image, taken, core_limits(limits), hulls) for hulls in (False, True)]
         self._running = list(self._all)
         self._covers: list[Cover] = []
         self._most: float = math.inf
@@ -136,7 +158,9 @@ class _TwoSearches:
         return explored, stored, transitions, size
 
 
-def _single(program: Program, goal: Goal, options: Options, best: Cover, explored: int) -> Cover | None:
+def _single(
+    program: Program, goal: Goal, options: Options, best: Cover, explored: int, dropped: Dropped
+) -> Cover | None:
     """A cover with the smallest zone for each discrete state, if several have more than one zone and a short search
     ends with one.
 
@@ -147,7 +171,7 @@ def _single(program: Program, goal: Goal, options: Options, best: Cover, explore
     if best.zones <= _SEVERAL * best.groups:
         return None
     exact = replace(options, extrapolation=Extrapolation.NONE)
-    search = _core.CoverSearch(encode(program, [goal]), core_options(exact), core_limits(Limits()), hulls=True)
+    search = dropped.search(encode(program, [goal]), core_options(exact), core_limits(Limits()), True)
     for _ in range(min(_STEPS_FOR_A_ZONE * best.zones, max(_SHORT, explored)) // _TURN + 1):
         check_job()
         status = search.run(_TURN, current_job().seconds_left, current_job().check_memory)

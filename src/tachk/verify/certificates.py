@@ -13,11 +13,12 @@ from tachk.engine.closed_set import check_closed_natively, check_descent_nativel
 from tachk.engine.compiler.lower import lower, lower_obligation
 from tachk.engine.compiler.program import Interchangeable as Table
 from tachk.engine.compiler.program import Program
-from tachk.engine.cover import Cover, find_cover, find_descent
+from tachk.engine.cover import Cover, Dropped, find_cover, find_descent
 from tachk.engine.options import Limits, Options
 from tachk.engine.symmetry.coarse_partition import coarse_partition
 from tachk.engine.symmetry.detection import find_symmetry
 from tachk.engine.symmetry.tables import tables_of
+from tachk.engine.traps import find_traps
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.automorphism import Automorphisms
 from tachk.meaning.judge.certificate import (
@@ -32,6 +33,7 @@ from tachk.meaning.judge.certificate import (
 )
 from tachk.meaning.judge.closed_set import ClosedSet
 from tachk.meaning.judge.transpositions import MalformedGroupError, SymmetryGroup
+from tachk.meaning.judge.trap_proof import TrapProof
 from tachk.meaning.judge.widening import widened
 from tachk.model.expressions import Expression
 from tachk.model.network import Network
@@ -39,6 +41,9 @@ from tachk.model.query import Query
 from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.transform.observed import observed
 from tachk.verify.verdict import Verdict, answers_of
+
+Clauses = tuple[tuple[int, ...], ...]
+"""Numbers of traps."""
 
 
 class Checker(StrEnum):
@@ -120,30 +125,34 @@ def find_proof(
 def _proof(network: Network, model: str, query: Query, options: Options, limits: Limits) -> Proof | str:
     whole = observed(network, query.observer).network
     groups = _exchanges(whole, query) if options.symmetry else ()
-    cover = _cover(whole, query, groups, options, limits)
-    header = _header(network, model, query, groups)
+    dropped = _dropped(whole, query) if "pruning" not in options.without else Dropped()
+    cover = _cover(whole, query, groups, dropped, options, limits)
+    header = replace(_header(network, model, query, groups), traps=dropped.traps)
     if groups and not isinstance(cover, str):
-        accepted = _objection(whole, query, header, cover) is None
+        accepted = _objection(whole, query, header, dropped.clauses, cover) is None
         enough = replace(limits, states=2 * cover.zones) if accepted else limits
-        plain = _cover(whole, query, (), options, enough)
+        plain = _cover(whole, query, (), dropped, options, enough)
         if not accepted or (not isinstance(plain, str) and plain.zones <= cover.zones):
             cover, header = plain, replace(header, groups=())
     if isinstance(cover, str):
         return cover
-    objection = _objection(whole, query, header, cover)
+    objection = _objection(whole, query, header, dropped.clauses, cover)
     if objection is not None:
         raise InternalError(f"the certificate made for {query.text!r} is not accepted: {objection.reason}")
     return Proof(header, cover)
 
 
-def _objection(network: Network, query: Query, header: CertificateHeader, cover: Cover) -> Objection | None:
-    return _native_check(network, query, header)(map(Shapes().columns, cover.blocks()))
+def _objection(
+    network: Network, query: Query, header: CertificateHeader, clauses: Clauses, cover: Cover
+) -> Objection | None:
+    return _native_check(network, query, header, clauses)(map(Shapes().columns, cover.blocks()))
 
 
 def _cover(
     network: Network,
     query: Query,
     groups: Sequence[SymmetryGroup],
+    dropped: Dropped,
     options: Options,
     limits: Limits,
 ) -> Cover | str:
@@ -151,7 +160,21 @@ def _cover(
     if query.target is None:
         return _descent(network, query, groups, options, limits)
     program, (goal,) = lower(network, [query.target])
-    return find_cover(_with_groups(program, groups), goal, options, limits)
+    return find_cover(_with_groups(program, groups), goal, options, limits, dropped)
+
+
+def _dropped(network: Network, query: Query) -> Dropped:
+    """The states from which the goal is out of reach by traps that can be proved without trusting the search."""
+    if query.target is None:
+        return Dropped()
+    program, (goal,) = lower(network, [query.target])
+    found = find_traps(program, goal)
+    if not found:
+        return Dropped()
+    proof = TrapProof(prepare(network), query.target)
+    traps = tuple(trap for trap in found if proof.objection_to(trap) is None)
+    clauses = proof.clauses(traps)
+    return Dropped(traps, clauses) if clauses else Dropped()
 
 
 def _exchanges(network: Network, query: Query) -> tuple[SymmetryGroup, ...]:
@@ -195,7 +218,10 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
     different = sum(len(columns.constraints) for columns in proof.columns())
     if not _LEAST_ZONES <= proof.zones <= _MOST_ZONES or 4 * different <= stored:
         return proof
-    check = _native_check(observed(network, query.observer).network, query, proof.header)
+    whole = observed(network, query.observer).network
+    clauses = _clauses(whole, query, proof.header)
+    assert not isinstance(clauses, Objection)
+    check = _native_check(whole, query, proof.header, clauses)
     try:
         block = widened(proof.blocks(), width, clocks + 1, stored // 4, lambda columns: check([columns]) is None)
     except StoppedError:
@@ -204,9 +230,10 @@ def widened_proof(network: Network, query: Query, proof: Proof, stored: int) -> 
 
 
 def _native_check(
-    network: Network, query: Query, header: CertificateHeader
+    network: Network, query: Query, header: CertificateHeader, clauses: Clauses
 ) -> Callable[[Iterable[Columns]], Objection | None]:
-    """The native check of symbolic states of a header's locations, slots and clocks, with its groups taken as proved.
+    """The native check of symbolic states of a header's locations, slots and clocks. Its groups and traps are taken as
+    proved.
 
     Raises MalformedCertificateError.
     """
@@ -216,7 +243,7 @@ def _native_check(
     program = _with_groups(program, header.groups)
     if query.target is None:
         return partial(check_descent_natively, program, goals)
-    return partial(check_closed_natively, program, goals[0])
+    return partial(check_closed_natively, program, goals[0], header.traps, clauses)
 
 
 def _predicates(query: Query) -> list[Expression]:
@@ -259,9 +286,13 @@ def check_proof(network: Network, query: Query, certificate: CertificateReader, 
     match checker:
         case Checker.PYTHON:
             begins = query.begins if query.target is None else query.target
+            clauses = _clauses(whole, query, header)
+            if isinstance(clauses, Objection):
+                return clauses
+            traps = [[header.traps[number] for number in clause] for clause in clauses]
             return (
                 _objection_to_groups(whole, query, header, certificate.columns)
-                or ClosedSet(prepare(whole), certificate, query.avoided, begins).objection()
+                or ClosedSet(prepare(whole), certificate, query.avoided, begins, traps).objection()
             )
         case Checker.NATIVE:
             return check_natively(whole, query, header, certificate.columns)
@@ -274,8 +305,29 @@ def check_natively(
 
     Raises MalformedCertificateError.
     """
-    check = _native_check(network, query, header)
+    clauses = _clauses(network, query, header)
+    if isinstance(clauses, Objection):
+        return clauses
+    check = _native_check(network, query, header, clauses)
     return _objection_to_groups(network, query, header, columns) or check(columns())
+
+
+def _clauses(network: Network, query: Query, header: CertificateHeader) -> Clauses | Objection:
+    """The clauses of the traps of a certificate: a state that lies in one trap of each need not be listed. Or the
+    objection that something is no trap.
+
+    Raises MalformedCertificateError.
+    """
+    if not header.traps:
+        return ()
+    if query.target is None:
+        raise MalformedCertificateError("there are traps only in proofs that something is not reached")
+    proof = TrapProof(prepare(network), query.target)
+    for trap in header.traps:
+        reason = proof.objection_to(trap)
+        if reason is not None:
+            return Objection(f"what it says that no run leaves is not so: {reason}")
+    return proof.clauses(header.traps)
 
 
 def _objection_to_groups(

@@ -54,7 +54,7 @@ def searches(text: str) -> list[_core.Explorer | _core.LivenessSearch | _core.Co
     live, avoided, _ = lower_obligation(network, target, None)
     return [
         _core.Explorer(image, options, limits),
-        _core.CoverSearch(image, options, limits, hulls=True),
+        _core.CoverSearch(image, options, limits, hulls=True, traps=[], clauses=[]),
         _core.LivenessSearch(encode(live, [avoided]), options, limits),
     ]
 

@@ -52,7 +52,7 @@ def munta_proof(
         for weakening in weakenings:
             if weakening.of_time:
                 raise unsupported("invariants that depend on variables", weakening.span, "make several locations of it")
-    proof = find_proof(whole, "", replace(query, observer=None), options.off("symmetry"), limits)
+    proof = find_proof(whole, "", replace(query, observer=None), options.off("symmetry", "pruning"), limits)
     if isinstance(proof, str):
         given_up = "".join(f"\n{weakening.span}: for Munta, {weakening.text}" for weakening in weakenings)
         return proof + given_up

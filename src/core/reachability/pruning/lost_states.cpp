@@ -1,15 +1,16 @@
 #include "reachability/pruning/lost_states.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tachk::reachability::pruning {
 
 LostStates::LostStates(const program::Program& program, const zones::ZoneOperations& operations, const GoalWatch& goals,
-                       bool wanted)
+                       Aims aims)
     : dimension_(program.dimension()),
       operations_(operations),
       goals_(goals),
-      aims_(wanted ? aims_of(program) : Aims{}),
+      aims_(std::move(aims)),
       active_(!aims_.none()) {}
 
 bool LostStates::may_meet(const Aim& aim, const symbolic::Successor& state) const {

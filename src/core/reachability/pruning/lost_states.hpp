@@ -15,7 +15,7 @@ namespace tachk::reachability::pruning {
 class LostStates final {
  public:
   LostStates(const program::Program& program, const zones::ZoneOperations& operations, const GoalWatch& goals,
-             bool wanted);
+             Aims aims);
 
   // An initial state is kept in any case, so that a search has a state.
   bool on_successor(const symbolic::Successor& successor) {
@@ -24,6 +24,7 @@ class LostStates final {
     ++lost_;
     return false;
   }
+  const Aims& aims() const { return aims_; }
   // True if the initial state is lost.
   bool all_is_lost() const { return all_is_lost_; }
   // How many successors have been dropped.

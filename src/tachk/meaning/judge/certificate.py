@@ -19,11 +19,14 @@ from numpy.typing import NDArray
 from tachk.base.records import dataclass
 from tachk.meaning.dbm import INFINITY, Zone, constrain_all, universe
 from tachk.meaning.judge.transpositions import SymmetryGroup
+from tachk.meaning.judge.trap import Trap
 from tachk.model.run import DiscreteState, Transition
 
 Numbers = NDArray[np.int64]
 
-MAGIC = b"tachk certificate 3\n"
+MAGIC = b"tachk certificate 4\n"
+_FORMER = b"tachk certificate 3\n"
+"""Without traps; otherwise the same."""
 _LARGEST_HEADER = 1 << 24
 _LARGEST_BLOCK = 1 << 28
 
@@ -68,6 +71,7 @@ class CertificateHeader:
         width: how many numbers a discrete state has: the location of each process, then the content of each slot.
         clocks: the names of the clocks; number 0 is the reference clock, which is always 0, and has no name here.
         groups: what can be exchanged: a state stands for all that exchanges make of it.
+        traps: sets of states that no run leaves; states in them from which the goal is out of reach may be missing.
     """
 
     kind: ProofKind
@@ -78,6 +82,7 @@ class CertificateHeader:
     width: int
     clocks: tuple[str, ...]
     groups: tuple[SymmetryGroup, ...] = ()
+    traps: tuple[Trap, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,6 +226,7 @@ class CertificateWriter:
                 "width": header.width,
                 "clocks": list(header.clocks),
                 "groups": [group.to_json() for group in header.groups],
+                "traps": [trap.to_json() for trap in header.traps],
             },
             ensure_ascii=False,
         ).encode()
@@ -282,13 +288,13 @@ def _folded(numbers: Numbers) -> Numbers:
 class CertificateReader:
     """One certificate of a file. Its blocks are read when they are used, and not kept."""
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def __init__(self, stream: BinaryIO, has_traps: bool = True) -> None:
         """Reads the header and looks where the blocks are; the stream is then behind the certificate.
 
         Raises MalformedCertificateError.
         """
         self._stream = stream
-        self.header = _header(_take(stream, _number(stream), _LARGEST_HEADER))
+        self.header = _header(_take(stream, _number(stream), _LARGEST_HEADER), has_traps)
         self._places: list[tuple[int, int]] = []
         while length := _number(stream):
             self._places.append((stream.tell(), length))
@@ -332,13 +338,14 @@ class CertificateReader:
 
 def read_certificates(stream: BinaryIO) -> list[CertificateReader]:
     """The certificates of a file. Raises MalformedCertificateError."""
-    if stream.read(len(MAGIC)) != MAGIC:
+    begin = stream.read(len(MAGIC))
+    if begin not in (MAGIC, _FORMER):
         raise MalformedCertificateError("it does not begin like a certificate of this version of tachk")
     size = stream.seek(0, 2)
     stream.seek(len(MAGIC))
     found: list[CertificateReader] = []
     while stream.tell() < size:
-        found.append(CertificateReader(stream))
+        found.append(CertificateReader(stream, begin == MAGIC))
     return found
 
 
@@ -385,7 +392,7 @@ def _unfolded(numbers: Numbers) -> Numbers:
     return (numbers >> 1) ^ -(numbers & 1)
 
 
-def _header(text: bytes) -> CertificateHeader:
+def _header(text: bytes, has_traps: bool) -> CertificateHeader:
     try:
         given: dict[str, Any] = json.loads(text)
         return CertificateHeader(
@@ -397,6 +404,7 @@ def _header(text: bytes) -> CertificateHeader:
             int(given["width"]),
             tuple(map(str, given["clocks"])),
             tuple(map(SymmetryGroup.from_json, given["groups"])),
+            tuple(map(Trap.from_json, given["traps"] if has_traps else ())),
         )
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise MalformedCertificateError(f"its header cannot be read: {error}") from None

@@ -9,14 +9,20 @@ The set is a list of elements: a discrete state, a zone and a rank. It is a proo
 5. in no ranked element can time pass for ever, and some transition stays possible,
 6. nothing in an element is a run-time error.
 
-By induction over the transitions every reachable state is then in some element of the rank 0 (Wimmer and von Mutius
-2020), and a run that begins in a ranked element meets the goal: it cannot descend for ever, and cannot end before
-(Wimmer, Herbreteau and van de Pol 2020). Without a goal nothing can be ranked, and the predicate is never met. If no
-predicate is given, the initial state must be ranked. Elements may be larger than what is reachable, and how they were
-found does not matter. All are looked at together, without extrapolation, and nothing of an engine or compiler is used.
+A state need not be in an element if no run from it can meet the predicate or a run-time error: that is so if it lies in
+one trap of each clause (`tachk.meaning.judge.trap_proof`).
+
+By induction over the transitions every reachable state is then in some element of the rank 0, or comes after such a
+state (Wimmer and von Mutius 2020), and a run that begins in a ranked element meets the goal: it cannot descend for
+ever, and cannot end before (Wimmer, Herbreteau and van de Pol 2020). Without a goal nothing can be ranked, and the
+predicate is never met. If no predicate is given, the initial state must be ranked. Elements may be larger than what is
+reachable, and how they were found does not matter. All are looked at together, without extrapolation, and nothing of an
+engine or compiler is used.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -26,6 +32,7 @@ from tachk.meaning.discrete import PreparedNetwork, initial_discrete
 from tachk.meaning.judge import zone_arrays
 from tachk.meaning.judge.arrangements import uncovered
 from tachk.meaning.judge.certificate import CertificateReader, MalformedCertificateError, Numbers, Objection
+from tachk.meaning.judge.trap import Trap
 from tachk.meaning.judge.zone_arrays import Pieces, Truths, inside, joined, outside, released
 from tachk.meaning.many_states import ManyStates, MoveOfManyStates
 from tachk.model.expressions import Expression
@@ -35,7 +42,8 @@ from tachk.model.traversal import asks_deadlock
 
 class ClosedSet:
     """A certificate that each run meets the goal (None: nothing does) from each reachable state on that satisfies
-    ``begins``, or (None) from the initial state. Raises MalformedCertificateError.
+    ``begins``, or (None) from the initial state. Nothing need be said of a state that lies in one trap of each of the
+    clauses, if there are any; it has to be proved before that they are traps. Raises MalformedCertificateError.
 
     Discrete states are those of the set, and others that are reached; their mark is whether elements are ranked.
 
@@ -47,9 +55,14 @@ class ClosedSet:
     """
 
     def __init__(
-        self, model: PreparedNetwork, certificate: CertificateReader, goal: Expression | None, begins: Expression | None
+        self,
+        model: PreparedNetwork,
+        certificate: CertificateReader,
+        goal: Expression | None,
+        begins: Expression | None,
+        clauses: Sequence[Sequence[Trap]] = (),
     ) -> None:
-        self.model, self.goal, self.begins = model, goal, begins
+        self.model, self.goal, self.begins, self.clauses = model, goal, begins, clauses
         self.groups = certificate.header.groups
         self.found: tuple[int, Objection] | None = None
         self.asks_deadlock = any(asks_deadlock(one) for one in (goal, begins) if one is not None)
@@ -191,7 +204,29 @@ class ClosedSet:
             left = uncovered(self.groups, states, waited, self.states.known, without)
         else:
             left = without(waited, np.arange(len(self.elements.row)))
-        return joined([left, pieces.take(~there)])
+        return joined([self._not_lost(left) if self.clauses else left, pieces.take(~there)])
+
+    def _not_lost(self, pieces: Pieces) -> Pieces:
+        """The pieces of which some state lies outside of all traps of a clause."""
+        numbered = replace(pieces, origin=np.arange(len(pieces.row)))
+        found = np.zeros(len(pieces.row), bool)
+        for clause in self.clauses:
+            some = numbered.take(~found)
+            for trap in clause:  # most lie in one of them
+                some = some.take(np.isin(some.origin, self._outside(some, [trap])))
+            found[self._outside(some, clause)] = True
+        return pieces.take(found)
+
+    def _outside(self, pieces: Pieces, traps: Sequence[Trap]) -> Numbers:
+        """The origins of the pieces of which some state lies outside of all of the traps."""
+        if not traps or not len(pieces.row):
+            return np.unique(pieces.origin)
+        found, values = pieces.origin[:0], self.states.states[pieces.row, traps[0].slot]
+        for value in np.unique(values).tolist():
+            for interval in traps[0].outside_at(value):
+                some = pieces.take((values == value) & ~np.isin(pieces.origin, found))
+                found = np.union1d(found, self._outside(some.within(traps[0].constraints(interval)), traps[1:]))
+        return found
 
     def _limited(self, pieces: Pieces) -> Pieces:
         """The parts that the invariants allow."""

@@ -21,7 +21,7 @@ from tachk.cli.commands.certify import CertifyArguments, run_certify
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import Reporting, RunReporting
 from tachk.cli.verification import VerifyArguments, run_verify
-from tachk.engine.options import Limits
+from tachk.engine.options import Limits, Options
 from tachk.meaning.judge.certificate import (
     CertificateWriter,
     Columns,
@@ -44,6 +44,9 @@ from tests.support.seeds import seeds
 from tests.unit.meaning.judge.proofs import MODELS, PLAIN, judged, proved, written
 
 pytestmark = pytest.mark.drawn
+
+WHOLE = Options().off("pruning")
+"""A certificate lists all reachable states then."""
 
 SCHEMA = Path(__file__).parents[4] / "docs" / "schema" / "certify.schema.json"
 
@@ -356,7 +359,7 @@ property few : A[] n <= 512;
 
 def test_values_that_take_more_than_a_byte() -> None:
     network, query = counter("few", FAR)
-    proof = proved(network, query)
+    proof = proved(network, query, WHOLE)
     assert proof.states == 3
     for group in range(3):
         assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
@@ -380,7 +383,7 @@ property soon : A[] Sender.a imply x <= 5;
 
 def test_a_receiver_of_a_broadcast_under_a_clock_guard_may_also_stay_out() -> None:
     network, query = counter("soon", TOLD)
-    proof = proved(network, query)
+    proof = proved(network, query, WHOLE)
     assert proof.states == 3
     for group in range(3):
         assert judged(network, query, written(proof, blocks_without(proof, group))) is not None
@@ -402,7 +405,7 @@ property goes_on : A[] !deadlock;
 def test_a_state_is_stuck_where_nothing_is_possible_later(guard: str, is_stuck: bool) -> None:
     loaded = tachk.loads(STUCK.replace("guard x <= 3;", guard))
     bounded, goes_on = loaded.properties
-    certificate = written(proved(loaded.network, bounded))
+    certificate = written(proved(loaded.network, bounded, WHOLE))
     assert judged(loaded.network, bounded, certificate) is None
     assert (judged(loaded.network, goes_on, certificate) is not None) is is_stuck
 
@@ -546,7 +549,7 @@ def test_one_zone_for_each_discrete_state_however_often_it_grows() -> None:
     """Where a long time is cut into slices, the search for the answer stores a zone for each of them."""
     network, query = counter("paced", SLICES)
     (verdict,) = verify(network, [query], trace=False)
-    proof = proved(network, query)
+    proof = proved(network, query, WHOLE)
     assert verdict.statistics.states_stored > 300 and proof.zones == proof.states == 2
     assert judged(network, query, written(proof)) is None
 
