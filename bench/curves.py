@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from bench.side_by_side import FAILED
 from bench.stored_runs import Run
 
 COLOURS = {"tachk": "#1f5fbf", "TChecker": "#c4630a", "TARZAN": "#2b8a5a"}
@@ -72,7 +73,8 @@ def _chart(run: Run, family: str) -> Iterator[str]:
             last = x
             yield _text(x, HEIGHT - BOTTOM + 13, f"{size}", "middle")
     for program, colour in reversed(COLOURS.items()):
-        points = [(across(size), up(row.cpu_seconds), row.finished) for size, row in run.curve(family, program)]
+        measured = [(size, row) for size, row in run.curve(family, program) if row.answer != FAILED]
+        points = [(across(size), up(row.cpu_seconds), row.finished) for size, row in measured]
         if len(points) > 1:
             line = " ".join(f"{x:.1f},{y:.1f}" for x, y, _ in points)
             yield f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="1.8"/>'

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from bench.curves import drawn
 from bench.families import GROUPS
-from bench.side_by_side import GIVEN_UP, ONCE, OUT_OF_MEMORY, OUT_OF_TIME, Row
+from bench.side_by_side import FAILED, GIVEN_UP, ONCE, OUT_OF_MEMORY, OUT_OF_TIME, Row
 from bench.stored_runs import NOTICED, Run, best_peer, growth, is_won, losses, per_state, wins_from
 
 PEERS = ("TChecker", "TARZAN")
@@ -71,7 +71,8 @@ def _overview(run: Run) -> Iterator[str]:
 
 
 def _all_sizes(run: Run) -> Iterator[str]:
-    yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted more than it may have."
+    yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted more than it may have, `error` where"
+    yield "it ended without an answer: TChecker asks for much memory at once."
     for title, group in _measured(run).items():
         yield from ("", f"### {title}, size by size", "")
         yield from _instances(run, group)
@@ -168,7 +169,8 @@ def _cells(row: Row | None) -> tuple[str, str, str]:
     """CPU seconds, MB and states of one program."""
     if row is None:
         return "", "", ""
-    return _seconds(row), f"{row.memory / 1e6:.0f}", f"{row.stored:,}" if row.finished else ""
+    megabytes = f"{row.memory / 1e6:.0f}" if row.memory else ""
+    return _seconds(row), megabytes, f"{row.stored:,}" if row.finished else ""
 
 
 def _seconds(row: Row) -> str:
@@ -176,4 +178,4 @@ def _seconds(row: Row) -> str:
         return f"> {math.floor(row.cpu_seconds)}"
     if row.answer == OUT_OF_MEMORY:
         return "memory"
-    return f"{row.cpu_seconds:.2f}" if row.finished else row.answer
+    return f"{row.cpu_seconds:.2f}" if row.finished else "error" if row.answer == FAILED else row.answer

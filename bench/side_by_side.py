@@ -132,6 +132,9 @@ class Contest:
             if row.finished:
                 best = Limits(min(best.seconds, max(1.0, 5 * row.cpu_seconds)), limits.memory, whole=False)
         done = sorted((row for row in rows if row.finished), key=lambda row: row.cpu_seconds)
+        if not rows and program.name in self.settings:  # it had words for smaller sizes
+            setting = self.settings[program.name][0]
+            return _unfinished(self.family, size, program.name, setting, FAILED, Stopped(0.0, 0))
         if not done:
             return rows[0] if rows else None
         near = [row.setting for row in done if row.cpu_seconds <= 3 * max(done[0].cpu_seconds, 0.1)]

@@ -84,3 +84,10 @@ def test_who_did_not_finish_a_size_is_not_asked_about_larger_ones() -> None:
     contest.ended.add("TARZAN")
     program = Program("TARZAN", executable="none", settings=("dfs", "bfs"))
     assert contest.measure(4, Instance(()), [program]) == []
+
+
+def test_who_had_words_for_a_smaller_size_and_gives_no_answer_has_failed(tmp_path: Path) -> None:
+    contest = Contest("fischer", 1, Limits(60), settings={"TChecker": ("covreach bfs",)})
+    program = Program("TChecker", executable="true", settings=("covreach bfs", "reach bfs"))
+    (failed,) = contest.measure(4, Instance((), network=tmp_path), [program])
+    assert not failed.finished and failed.answer == "ended with an error" and contest.ended == {"TChecker"}
