@@ -116,6 +116,8 @@ def run(given: argparse.Namespace) -> int:
                 print(f"    answers differ: {told}", flush=True)
             smaller.update({row.program: row for row in found})
             rows += found
+            if not found[0].finished:
+                break
         if given.output is not None:
             now = datetime.now().isoformat(timespec="minutes")
             done = Run(now, machine(), commit, given.seconds, given.memory, given.repeat, tuple(rows))

@@ -23,7 +23,7 @@ def drawn(run: Run, families: Sequence[str]) -> str:
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif">',
         f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
-        *_legend(),
+        *_legend([program for program in COLOURS if any(run.curve(family, program) for family in families)]),
     ]
     for number, family in enumerate(families):
         x, y = number % COLUMNS * WIDTH, LEGEND + number // COLUMNS * HEIGHT
@@ -35,13 +35,13 @@ def _text(x: float, y: float, text: str, anchor: str = "start") -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="#555555" font-size="9.5">{text}</text>'
 
 
-def _legend() -> Iterator[str]:
-    for number, (program, colour) in enumerate(COLOURS.items()):
-        x = LEFT + 90 * number
+def _legend(programs: Sequence[str]) -> Iterator[str]:
+    for number, program in enumerate(programs):
+        x, colour = LEFT + 90 * number, COLOURS[program]
         yield f'<line x1="{x}" y1="13" x2="{x + 18}" y2="13" stroke="{colour}" stroke-width="2"/>'
         yield f'<circle cx="{x + 9}" cy="13" r="2.5" fill="{colour}"/>'
         yield _text(x + 23, 16.5, program)
-    x = LEFT + 90 * len(COLOURS)
+    x = LEFT + 90 * len(programs)
     yield f'<circle cx="{x}" cy="13" r="3" fill="#ffffff" stroke="#555555" stroke-width="1.3"/>'
     yield _text(x + 8, 16.5, "ended unfinished")
     yield _text(x + 110, 16.5, "CPU seconds over size, both logarithmic")

@@ -114,7 +114,7 @@ ALL = "all states"
 OWN = {
     "csma_cd": OurFamily("models/classics/csma_cd.ta", "collision_noticed", (8, 12, 18, 26, 40), peers=ALL),
     "fddi": OurFamily("models/classics/fddi.ta", "one_sender", (8, 14, 30, 50, 80), peers=ALL),
-    "dining": OurFamily("models/classics/dining_philosophers.ta", "neighbours", (5, 7, 9, 11, 13)),
+    "dining": OurFamily("models/classics/dining_philosophers.ta", "neighbours", (5, 7, 9, 10, 11, 13)),
     "critical_region": OurFamily("models/classics/critical_region.ta", "exclusive", (3, 4, 6, 9, 12)),
     "brp": OurFamily("models/classics/brp.ta", "no_failure", (8, 64, 200, 600)),
     "client_3_0": OurFamily("models/micro_xrce_dds/client_3_0.ta", "ECFS", (0, 1, 2), "LOSSES"),
@@ -169,7 +169,7 @@ TCHECKER = {
     "tck_critical_region": TheirFamily("critical-region.sh", "{size}", None, (3, 4, 5)),
     "tck_critical_region_async": TheirFamily("critical-region-async.sh", "{size}", "error1", (3, 7, 15, 30, 65)),
     "tck_csmacd": TheirFamily("csmacd.sh", "{size}", None, (6, 8, 10, 12, 14)),
-    "tck_dining": TheirFamily("dining-philosophers.sh", "{size}", "eating1,eating2", (5, 7, 9, 11, 13)),
+    "tck_dining": TheirFamily("dining-philosophers.sh", "{size}", "eating1,eating2", (5, 7, 9, 10, 11, 13)),
     "tck_fddi": TheirFamily("fddi.sh", "{size}", None, (8, 14, 20, 30, 50)),
     "tck_fire_alarm": TheirFamily("fire-alarm.sh", "{size}", None, (8, 12, 16, 18, 24)),
     "tck_fischer": TheirFamily("fischer.sh", "{size}", "cs1,cs2", (6, 8, 10, 20, 40)),

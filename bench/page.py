@@ -9,7 +9,7 @@ from pathlib import Path
 from bench.curves import drawn
 from bench.families import GROUPS
 from bench.side_by_side import FAILED, GIVEN_UP, ONCE, OUT_OF_MEMORY, OUT_OF_TIME, Row
-from bench.stored_runs import NOTICED, Run, best_peer, growth, is_won, losses, per_state, wins_from
+from bench.stored_runs import NOTICED, Run, best_peer, growth, is_won, losses, per_state, undecided, wins_from
 
 PEERS = ("TChecker", "TARZAN")
 
@@ -71,8 +71,8 @@ def _overview(run: Run) -> Iterator[str]:
 
 
 def _all_sizes(run: Run) -> Iterator[str]:
-    yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted more than it may have, `error` where"
-    yield "it ended without an answer: TChecker asks for much memory at once."
+    yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted too much, and `error`"
+    yield "where it ended without an answer: TChecker asks for much memory at once."
     for title, group in _measured(run).items():
         yield from ("", f"### {title}, size by size", "")
         yield from _instances(run, group)
@@ -110,6 +110,10 @@ def _at_largest(run: Run, family: str) -> str:
 
 
 def _losses(run: Run, families: Sequence[str]) -> Iterator[str]:
+    if open_rows := undecided(run, families):
+        told = ", ".join(f"{row.family} {row.size} ({row.answer})" for row in open_rows)
+        yield f"tachk does not decide {told}."
+        yield ""
     found = losses(run, families)
     if not found:
         yield f"Nowhere where it takes more than {NOTICED:g} s."

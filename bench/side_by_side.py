@@ -91,8 +91,8 @@ class Row:
 class Contest:
     """Programs on the sizes of one family, from the smallest up.
 
-    A program that has not finished one size is not asked about larger ones. Of its settings the fastest goes on, and
-    the second one if it took at most three times as long.
+    A program that has not finished one size is not asked about larger ones, unless tachk does not decide one. Of its
+    settings the fastest goes on, and the second one if it took at most three times as long.
     """
 
     family: str
@@ -105,7 +105,8 @@ class Contest:
         """The rows of those that have words for the instance; those of tachk stand first if they do in `programs`."""
         rows: list[Row] = []
         for program in programs:
-            if program.name in self.ended:
+            undecided = bool(rows) and not rows[0].finished
+            if program.name in self.ended and not (undecided and program.executable):
                 continue
             if program.executable:
                 ours = next((row.cpu_seconds for row in rows if row.finished), self.limits.seconds)

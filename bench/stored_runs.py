@@ -100,6 +100,12 @@ class Loss:
         return self.ours.cpu_seconds / max(self.best.cpu_seconds, 0.001) if self.ours.finished else math.inf
 
 
+def undecided(run: Run, families: Sequence[str]) -> list[Row]:
+    """The rows in which tachk has not finished."""
+    rows = (row for family in families for _, row in run.curve(family, "tachk"))
+    return [row for row in rows if not row.finished]
+
+
 def losses(run: Run, families: Sequence[str]) -> list[Loss]:
     """Those in which tachk takes more than NOTICED seconds."""
     found = []

@@ -86,6 +86,15 @@ def test_who_did_not_finish_a_size_is_not_asked_about_larger_ones() -> None:
     assert contest.measure(4, Instance(()), [program]) == []
 
 
+def test_who_was_ended_has_another_try_where_tachk_decides_nothing(tmp_path: Path) -> None:
+    contest = Contest("fischer", 1, Limits(60), settings={"TChecker": ("covreach bfs",)}, ended={"TChecker"})
+    programs = [Program("tachk", source=tmp_path), Program("TChecker", executable="true", settings=("covreach bfs",))]
+    (tmp_path / "tachk").mkdir()
+    (tmp_path / "tachk" / "__main__.py").write_text("", encoding="utf-8")
+    found = contest.measure(4, Instance((), network=tmp_path), programs)
+    assert [one.program for one in found] == ["tachk", "TChecker"]
+
+
 def test_who_had_words_for_a_smaller_size_and_gives_no_answer_has_failed(tmp_path: Path) -> None:
     contest = Contest("fischer", 1, Limits(60), settings={"TChecker": ("covreach bfs",)})
     program = Program("TChecker", executable="true", settings=("covreach bfs", "reach bfs"))
