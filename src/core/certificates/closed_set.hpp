@@ -49,10 +49,13 @@ class ClosedSet final {
   void add(const Block& block) {
     const std::size_t n = network_.n, width = network_.program.state_slots;
     for (auto from = block.bounds.begin(); from < block.bounds.end(); from += n * n) {
-      const Constraints constraints = Zone{n, {from, from + n * n}}.constraints();
+      const Zone given{n, {from, from + n * n}};
+      for (std::size_t i = 0; i < n; ++i) expect(given.at(i, i) >= zones::raw_zero, "a zone is empty");
+      const Constraints constraints = given.constraints();
       for (const zones::Atom& atom : constraints)
         expect(std::abs(atom.raw) < zones::Raw{1} << 42, "a constraint that cannot be");
       shapes_.push_back({constraints, Zone::universe(n).within(constraints)});
+      expect(!shapes_.back().zone.empty(), "a zone is empty");
     }
     for (std::size_t group = 0, e = 0; group < block.zones.size(); ++group) {
       const auto slots = block.discretes.subspan(group * width, width);

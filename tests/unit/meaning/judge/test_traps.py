@@ -6,6 +6,7 @@ import io
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import tachk
@@ -220,6 +221,26 @@ def test_a_proof_carries_the_traps_that_it_needs() -> None:
     assert None not in needed
     whole = proved(network, query, Options().off("pruning"))
     assert not whole.header.traps and whole.zones > proof.zones
+
+
+def test_a_zone_that_is_empty_is_not_read_even_if_nothing_needs_it() -> None:
+    network, query, proof = moments()
+    (columns,) = proof.columns()
+    clocks = len(proof.header.clocks) + 1
+    for places, bounds in (([clocks, 1], [3, -9]), ([clocks + 1], [-1])):  # x <= 1 and x >= 5; x - x <= -1
+        wrong = replace(
+            columns,
+            constraints=np.append(columns.constraints, len(places)),
+            places=np.append(columns.places, places),
+            bounds=np.append(columns.bounds, bounds),
+        )
+        stream = io.BytesIO()
+        CertificateWriter(stream).write_columns(proof.header, [wrong])
+        stream.seek(0)
+        (certificate,) = read_certificates(stream)
+        for checker in Checker:
+            with pytest.raises(MalformedCertificateError, match="a zone is empty"):
+                check_proof(network, query, certificate, checker)
 
 
 def test_files_of_the_version_before_have_no_traps() -> None:
