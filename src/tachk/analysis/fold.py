@@ -37,7 +37,17 @@ from tachk.model.network import Network
 from tachk.model.remembered import MOST_RESULTS, by_network, by_part
 from tachk.model.substitution import changed, with_parts
 from tachk.model.traversal import process_expressions, walk, written_variables
-from tachk.model.types import ArrayType, BoolType, IntType, RecordType, ScalarType, Type, kinds_of_slots, slot_count
+from tachk.model.types import (
+    ArrayType,
+    BoolType,
+    IntType,
+    RecordType,
+    ScalarType,
+    Type,
+    bounds,
+    kinds_of_slots,
+    slot_count,
+)
 from tachk.model.variable_layout import default_values
 
 
@@ -149,6 +159,8 @@ def cannot_fail(expression: Expression) -> bool:
             case Index(base, Constant(value)):
                 if not isinstance(base.type, ArrayType) or not 0 <= value - base.type.low < base.type.size:
                     return False
+            case Index(base, Reference(variable)) if _indexes(variable, base.type):
+                pass
             case Unary():
                 pass
             case Binary(operator) if operator.total:
@@ -158,6 +170,14 @@ def cannot_fail(expression: Expression) -> bool:
             case _:
                 return False
     return True
+
+
+def _indexes(variable: Variable, array: Type) -> bool:
+    """True if each value in the range of a variable, which is where its value always is, is an index of an array."""
+    if not isinstance(variable.type, IntType | BoolType | ScalarType) or not isinstance(array, ArrayType):
+        return False
+    low, high = bounds(variable.type)
+    return array.low <= low and high < array.low + array.size
 
 
 def known_slot(place: Expression) -> tuple[Variable, int] | None:

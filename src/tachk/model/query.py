@@ -32,6 +32,7 @@ class Observer:
             in some state so that the left side ever is.
         demanded: the conditions that must be true at all instants, each with its text.
         awaited: the conditions that must come and last, each with its text.
+        sufficient: a condition on one state: where it is true in all states, the formula holds; None: none is known.
     """
 
     process: Process
@@ -42,6 +43,7 @@ class Observer:
     triggers: tuple[tuple[str, Expression], ...] = ()
     demanded: tuple[tuple[str, Expression], ...] = ()
     awaited: tuple[tuple[str, Expression], ...] = ()
+    sufficient: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from typing import assert_never
 
 from tachk.base.records import dataclass, replace
 from tachk.base.words import QueryKind
+from tachk.model.connectives import negation
 from tachk.model.expressions import Deadlock, Expression, Reference, Variable
 from tachk.model.query import Observer, Query
 from tachk.model.traversal import walk
@@ -40,10 +41,15 @@ def analysis_of(query: Query) -> Analysis:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A query, and its number among all queries of the user."""
+    """A query, and its number among all queries of the user.
+
+    Attributes:
+        condition: in its place: where it is true in all states, the query holds, and otherwise nothing is known.
+    """
 
     number: int
     query: Query
+    condition: Expression | None = None
 
     def __hash__(self) -> int:
         return self.number  # no other task has it, and a query is long
@@ -51,6 +57,8 @@ class Task:
     @property
     def target(self) -> Expression:
         """The states whose reachability decides the query. Raises ValueError where reachability does not."""
+        if self.condition is not None:
+            return negation(self.condition)
         if self.query.target is None:
             raise ValueError(f"the query {self.query.name} with {self.query.kind.value} is not decided by reachability")
         return self.query.target
@@ -73,6 +81,10 @@ class Search:
     def names(self) -> tuple[str, ...]:
         """The names of its queries."""
         return tuple(task.query.name for task in self.tasks)
+
+    @property
+    def targets(self) -> list[Expression]:
+        return [task.target for task in self.tasks]
 
     def without(self, numbers: Collection[int]) -> Search:
         """The search for the tasks with other numbers."""

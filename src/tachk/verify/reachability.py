@@ -92,6 +92,7 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
     return with_notes(verdicts, triggers, outcome.goals[len(targets) :])
 
 
+_NOT_SUFFICIENT = "a condition that would be enough for the formula is false in some state"
 _INEXACT = "the stopwatches make the search inexact, and the run it found is not possible"
 
 
@@ -116,6 +117,8 @@ def verdict_of(
             verdict, answer=otherwise, exact=True, reason="", unexamined=unexamined(watched.network, reduced.network)
         )
     verdict = replace(verdict, strategy=outcome.found_by)
+    if task.condition is not None:
+        return replace(verdict, reason=_NOT_SUFFICIENT)
     if not trace and outcome.exact:
         return replace(verdict, answer=on_reached, reason="", unexamined=unexamined(watched.network, reduced.network))
     run, possible = witness(reduced, goal.path or (), task.target, outcome.exact, repr(task.query.text))

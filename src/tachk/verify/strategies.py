@@ -19,6 +19,7 @@ from tachk.engine.portfolio import PORTFOLIO
 from tachk.meaning.discrete import PreparedNetwork, prepare
 from tachk.transform.observed import observed
 from tachk.transform.transformation import Exactness
+from tachk.verify import sufficient_conditions
 from tachk.verify.plan import Search
 from tachk.verify.reachability import equal_parts
 from tachk.verify.strategy import Findings, Problem, Strategy, agreed, decided
@@ -175,7 +176,8 @@ def every_strategy() -> tuple[Strategy, ...]:
 def names() -> dict[str, str]:
     """All that can be switched off by name, with its meaning: strategies in their order, then reductions."""
     of_queries = {strategy.name: strategy.meaning for strategy in every_strategy()}
-    return of_queries | {strategy.name: strategy.meaning for strategy in PORTFOLIO} | REDUCTIONS
+    portfolio = {strategy.name: strategy.meaning for strategy in PORTFOLIO}
+    return of_queries | {sufficient_conditions.NAME: sufficient_conditions.MEANING} | portfolio | REDUCTIONS
 
 
 def is_plain(name: str) -> bool:

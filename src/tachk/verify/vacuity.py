@@ -58,7 +58,7 @@ def _triggers_of(network: Network, tasks: tuple[Task, ...]) -> tuple[Trigger, ..
             copies.setdefault((task.number, span, text), []).append(condition)
     if not copies:
         return ()
-    known = known_values(network, [task.query.predicate for task in tasks if task.query.predicate is not None])
+    known = known_values(network, [_predicate(task) for task in tasks])
     triggers = []
     for (number, _, text), conditions in copies.items():
         folded = [fold(condition, known) for condition in conditions]
@@ -66,6 +66,12 @@ def _triggers_of(network: Network, tasks: tuple[Task, ...]) -> tuple[Trigger, ..
         if open_ and all(cannot_fail(c) and not mentions_time(c) and not isinstance(c, Constant) for c in open_):
             triggers.append(Trigger(number, text, any_of(open_)))
     return tuple(triggers)
+
+
+def _predicate(task: Task) -> Expression:
+    if task.condition is not None:
+        return task.condition
+    return Constant(1, BOOL) if task.query.predicate is None else task.query.predicate
 
 
 def _of_query(query: Query) -> Iterator[tuple[Span, str, Expression]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import assert_never
 
@@ -33,7 +33,8 @@ from tachk.verify.fault_explanation import with_blame
 from tachk.verify.plan import Analysis, Search, Task, analysis_of, plan
 from tachk.verify.scheduling.in_order import Shares, in_order, processes
 from tachk.verify.strategies import avoidable, check_names, extreme, reachable
-from tachk.verify.verdict import Verdict, answers_of, none_begun, not_begun, unsupported
+from tachk.verify.sufficient_conditions import shared_searches
+from tachk.verify.verdict import Answer, Verdict, answers_of, none_begun, not_begun, unsupported
 
 
 def verify(
@@ -85,10 +86,17 @@ def _verified(
                 else:
                     tasks.append(Task(number, query))
             searches = plan(tasks)
+            shared = shared_searches(network, searches, options)
     except StoppedError as error:
         return tuple(verdicts.get(number) or not_begun(query, error.reason) for number, query in enumerate(queries))
     answer = partial(_answer, model, options, trace)
-    verdicts |= in_order(searches, answer, Shares(limits, len(tasks)), processes(options))
+    shares = Shares(limits, len(tasks) + sum(len(search.tasks) for search in shared))
+    for task, verdict in _with_tasks(shared, in_order(shared, answer, shares, processes(options))):
+        if task.condition is None or verdict.answer is Answer.HOLDS or verdict.reason == INTERRUPTED:
+            verdicts[task.number] = verdict
+    rest = [search.without(verdicts) for search in searches]
+    shares.drop(sum(len(search.tasks) for search in searches) - sum(len(search.tasks) for search in rest))
+    verdicts |= in_order([search for search in rest if search.tasks], answer, shares, processes(options))
     job = current_job()
     with unhurried():  # no decided verdict is lost to the limit; the searches for notes share the time that is left
         found = [with_blame(verdicts[number]) for number in range(len(queries))]
@@ -98,6 +106,10 @@ def _verified(
             note_interruption()
         answers = (_with_momentary_answers(model, verdict) for verdict in _examined(network, found))
         return tuple(map(_with_note, answers))
+
+
+def _with_tasks(searches: Sequence[Search], verdicts: Mapping[int, Verdict]) -> Iterator[tuple[Task, Verdict]]:
+    return ((task, verdicts[task.number]) for search in searches for task in search.tasks)
 
 
 def _with_note(verdict: Verdict) -> Verdict:

@@ -17,6 +17,7 @@ from tachk.frontend.scope import FamilySymbol, ProcessSymbol, Scope
 from tachk.frontend.templates.templates import elaborate_process
 from tachk.logic.observer.construction import BAD, NoObserver, TrapLocation, build_observer
 from tachk.logic.sentences import meaning
+from tachk.logic.sufficient_condition import sufficient_condition
 from tachk.logic.triggers import (
     awaited_conditions,
     demanded_conditions,
@@ -64,6 +65,7 @@ def elaborate_temporal(
         process = replace(process, locations=tuple(replace(each, observes=True) for each in process.locations))
     places = {location.name: number for number, location in enumerate(process.locations)}
     number = _processes(scope)
+    enough = sufficient_condition(formula)
     observer = Observer(
         process,
         places[BAD],
@@ -73,6 +75,7 @@ def elaborate_temporal(
         tuple(_triggers(formula, scope, context)),
         tuple(_conditions(demanded_conditions(formula), scope, context)),
         tuple(_conditions(awaited_conditions(formula), scope, context)),
+        None if enough is None else condition(enough, scope, context),
     )
     query = Query(name, QueryKind.INVARIANTLY, None, (), node.sentence or node.span.text, title, expectation, node.span)
     query = replace(query, observer=observer)

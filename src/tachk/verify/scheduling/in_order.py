@@ -43,6 +43,10 @@ class Shares:
         allowed = [seconds for seconds in (of_all, self._limits.seconds_each) if seconds is not None]
         return replace(self._limits, seconds=min(allowed, default=None))
 
+    def drop(self, tasks: int) -> None:
+        """So many tasks have been decided otherwise."""
+        self._left -= tasks
+
     def used(self) -> float:
         """The seconds since the verification began."""
         return monotonic() - self._started
