@@ -33,7 +33,10 @@ def test_a_formula_is_not_violated_where_its_condition_is_always_true(block: int
     for seed in seeds(range(100 * block, 100 * block + 100)):
         case = random_observer_case(Random(seed))
         enough_for = sufficient_condition(case.formula)
-        rows = [dict(zip(case.trace.columns, values, strict=True)) for values in zip(*case.trace.columns.values())]
+        rows = [
+            dict(zip(case.trace.columns, values, strict=True))
+            for values in zip(*case.trace.columns.values(), strict=True)
+        ]
         if enough_for is not None and all(value_of(enough_for, row).truth for row in rows):
             always += 1
             assert verdict(case.formula, case.trace).truth is not False, f"seed {seed}"
