@@ -26,6 +26,7 @@ _MUCH_MEMORY = 256 << 20
 """A zone over the local times of 100 processes, of which all are kept that wait, takes hundreds of kilobytes."""
 _FEW_ZONES = 2.0
 """With fewer zones for each discrete state there are few orders to be saved."""
+_MOST_WORK_EACH = 4
 _WORTH_IT = 3.0
 """The ratio of zones for each discrete state from which larger matrices pay. On the example families of TChecker it is
 below 2.5 or above 5.8."""
@@ -72,8 +73,9 @@ def begin(
         options = replace(options, extrapolation=Extrapolation.MAX)
     search = _core.LocalExplorer(image, core_options(options), core_limits(limits))
     if samples:
-        status, explored = _explore_sample_beside(search, states, ordinary.effort())
-        if status in _IMPATIENT or (status is _core.Status.RUNNING and explored < states):
+        # A state takes more work with larger matrices. One that takes many times as much is not worth it.
+        status, explored = _explore_sample_beside(search, states, _SAMPLE_WORK)
+        if status in _IMPATIENT or (status is _core.Status.RUNNING and explored < states // _MOST_WORK_EACH):
             return None
         if status is _core.Status.RUNNING and _zones_each(ordinary) < _WORTH_IT * _zones_each(search):
             return None

@@ -8,7 +8,7 @@ import tachk
 from tachk.base.records import dataclass
 from tachk.engine.compiler.lower import lower
 from tachk.engine.local_times import obstacle
-from tachk.engine.options import LocalTimes, Options
+from tachk.engine.options import Limits, LocalTimes, Options
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer
 
@@ -248,6 +248,15 @@ def test_the_choice_is_not_made_where_it_takes_much_work(monkeypatch: pytest.Mon
     (found,) = tachk.loads(LAMPS).verify("A[] true")
     assert found.answer is Answer.HOLDS
     assert not found.statistics.local_times
+
+
+def test_the_choice_is_made_where_a_state_takes_more_work_than_an_ordinary_one() -> None:
+    """Ten philosophers and their forks; the ordinary search does not end in a minute."""
+    (chosen,) = tachk.load("models/classics/dining_philosophers.ta", N=10).verify(
+        property="neighbours", limits=Limits(states=20_000)
+    )
+    assert chosen.answer is Answer.HOLDS
+    assert chosen.statistics.local_times
 
 
 def test_the_choice_is_made_where_it_pays() -> None:
