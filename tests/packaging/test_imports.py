@@ -207,6 +207,13 @@ def test_a_plain_start_loads_nothing_slow(tmp_path: Path, query: str) -> None:
 
 
 @pytest.mark.usefixtures("with_tables")
+def test_a_run_that_is_drawn_and_judged_loads_no_library() -> None:
+    loaded = modules_after("verify", str(SOURCES.parents[1] / "bench/models/gates.ta"), "-D", "N=10")
+    assert {"tachk.engine.simulated_runs", "tachk.engine.exact.exact_run"} <= loaded
+    assert not loaded & {"numpy", "pandas", "z3", "networkx"}
+
+
+@pytest.mark.usefixtures("with_tables")
 @pytest.mark.parametrize("form", ["text", "json", "junit", "verifyta"])
 def test_reports_load_statistics_only_where_a_model_has_them(tmp_path: Path, form: str) -> None:
     model = tmp_path / "m.ta"

@@ -67,7 +67,7 @@ def test_judges_agree_on_runs_with_other_times(shape: Shape) -> None:
             earliest = path.earliest()
             if earliest is not None:
                 made += 1
-                moments = [Fraction(tick, earliest[0]) for tick in earliest[1].tolist()]
+                moments = [Fraction(tick, earliest[0]) for tick in earliest[1]]
             for case in range(6):
                 changed = list(moments)
                 if case:

@@ -15,10 +15,8 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
-#include "../arrays.hpp"
 #include "machine/machine.hpp"
 #include "program/program.hpp"
 #include "runs/ending.hpp"
@@ -100,9 +98,9 @@ void bind_runs(nb::module_& m) {
       .def(
           "earliest",
           [](const PathOfRun& self) -> nb::object {
-            auto found = self.earliest();
-            if (!found) return nb::none();
-            return nb::make_tuple(found->unit, as_array(std::move(found->ticks)));
+            const auto found = self.earliest();
+            // A list: an array would load numpy, which takes longer than most runs.
+            return found ? nb::make_tuple(found->unit, found->ticks) : nb::object(nb::none());
           },
           "(ticks in a unit of time, the earliest moments of all transitions and of the end), or None.")
       .def(

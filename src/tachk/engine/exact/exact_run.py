@@ -6,6 +6,7 @@ evaluates expressions, and nothing else; each other they do not know.
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -46,10 +47,10 @@ def exact_run(program: Program, goal: Goal, actions: Sequence[Sequence[int]]) ->
     if found is None:
         return None, "no times were found"
     unit, ticks = found
-    objection = path.objection(unit, ticks)
+    objection = path.objection(unit, array("q", ticks))
     if objection is not None:
         return None, f"step {objection[0]}: {objection[1]}"
-    return Moments(tuple(ticks.tolist()), unit), ""
+    return Moments(tuple(ticks), unit), ""
 
 
 def end_of_path(program: Program, actions: Sequence[Sequence[int]]) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
