@@ -339,12 +339,23 @@ struct Kernel {
     return true;
   }
 
-  // Floyd-Warshall; the zone must not be empty. `relevant(k)` is false for a clock that no shorter way leads through.
-  template <class Relevant>
-  static void close(ZoneRef zone, int dimension, Relevant relevant) {
+  // Rows of a zone, as far as they are among the first ones.
+  struct RowSet {
+    static constexpr int most = Stride != 0 ? 64 : 1024;
+    std::uint64_t words[most / 64] = {};
+
+    void add(int i) {
+      if (i < most) words[i / 64] |= std::uint64_t{1} << (i % 64);
+    }
+    bool contains(int i) const { return i < most && (words[i / 64] >> (i % 64) & 1) != 0; }
+  };
+
+  // Floyd-Warshall; the zone must not be empty. No shorter way leads through a clock whose row is among `without_ways`,
+  // and none to replace an entry of the rows `closed`.
+  static void close(ZoneRef zone, int dimension, const RowSet& without_ways, const RowSet& closed) {
     const int number = vectors(dimension);
     for (int k = 0; k < dimension; ++k) {
-      if (!relevant(k)) continue;
+      if (without_ways.contains(k)) continue;
       const T* row_k = row(zone, dimension, k);
       if constexpr (Stride != 0) {
         Vector weak[Stride / lanes];
@@ -356,7 +367,7 @@ struct Kernel {
         for (int i = 0; i < dimension; ++i) {
           T* row_i = row(zone, dimension, i);
           const T to_k = row_i[k];
-          if (to_k == infinity || i == k) continue;
+          if (to_k == infinity || i == k || closed.contains(i)) continue;
           const Vector* prepared = (to_k & 1) != 0 ? weak : strict;
           for (int v = 0; v < Stride / lanes; ++v)
             vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared[v]);
@@ -365,7 +376,7 @@ struct Kernel {
         for (int i = 0; i < dimension; ++i) {
           T* row_i = row(zone, dimension, i);
           const T to_k = row_i[k];
-          if (to_k == infinity || i == k) continue;
+          if (to_k == infinity || i == k || closed.contains(i)) continue;
           for (int v = 0; v < number; ++v) {
             const Vector r = vector(row_k, v);
             const Vector prepared = (to_k & 1) != 0 ? prepared_weak(r) : prepared_strict(r);
@@ -382,13 +393,14 @@ struct Kernel {
     const int number = vectors(dimension);
     T* first = row(zone, dimension, 0);
     bool changed = false;
-    std::uint64_t freed_rows = 0;  // these rows lose every finite entry
+    RowSet freed;   // rows that lose every finite entry
+    RowSet closed;  // rows in which no entry is raised: as no way has become shorter, they are closed as they are
     for (int i = 1; i < dimension; ++i) {
       T* row_i = row(zone, dimension, i);
       const bool above_lower = first[i] < -2 * lower_bounds[i];
-      if (above_lower && i < 64) freed_rows |= std::uint64_t{1} << i;
+      if (above_lower) freed.add(i);
       const T limit = static_cast<T>(2 * lower_bounds[i] + 1);
-      Vector difference{};
+      Vector raised_here{};
       for (int v = 0; v < number; ++v) {
         const Vector old = vector(row_i, v);
         const Vector u = vector(upper_bounds, v);
@@ -396,10 +408,13 @@ struct Kernel {
         if (above_lower) raised = all(-1);
         Vector fresh = raised ? all(infinity) : old;
         fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
-        difference |= fresh ^ old;
+        raised_here |= fresh ^ old;
         vector(row_i, v) = fresh;
       }
-      changed |= any(difference);
+      if (any(raised_here))
+        changed = true;
+      else
+        closed.add(i);
     }
     Vector difference{};
     for (int v = 0; v < number; ++v) {
@@ -409,8 +424,10 @@ struct Kernel {
       difference |= fresh ^ old;
       vector(first, v) = fresh;
     }
-    if (!changed && !any(difference)) return;
-    close(zone, dimension, [freed_rows](int k) { return k >= 64 || (freed_rows >> k & 1) == 0; });
+    const bool first_changed = any(difference);
+    if (!changed && !first_changed) return;
+    if (!first_changed) closed.add(0);
+    close(zone, dimension, freed, closed);
   }
 
   static void extrapolate_max(ZoneRef zone, int dimension, ConstBoundRow bound) {
@@ -432,7 +449,7 @@ struct Kernel {
       }
       changed |= any(difference);
     }
-    if (changed) close(zone, dimension, [](int) { return true; });
+    if (changed) close(zone, dimension, {}, {});
   }
 
   static bool meets_each(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count) {
