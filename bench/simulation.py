@@ -1,6 +1,7 @@
-"""Simulated runs: `python -m bench.simulation speed` and `python -m bench.simulation agree NETWORKS SEED`.
+"""Simulated runs: `python -m bench.simulation speed`, `formulas` and `agree NETWORKS SEED`.
 
-`speed` prints transitions a second of one core without recording, and of a plain simulator in Python. `agree` draws
+`speed` prints transitions a second of one core without recording, and of a plain simulator in Python. `formulas` prints
+what a run costs, alone and with a formula that is evaluated on it. `agree` draws
 runs of random networks with every policy, replays each, and prints every disagreement with the seed that reproduces it;
 exit status 1 after one.
 """
@@ -10,6 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from random import Random
 
 from plain_simulator import PlainSimulator
@@ -18,15 +20,16 @@ from random_agreement import SHAPES
 import tachk
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding, SimulationOptions
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationEnding, SimulationOptions
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.network import Network
+from tachk.simulation.formulas import columns_with, formulas_for, truths_on
 from tachk.simulation.runs import Runs
 from tests.support import random_case
 from tests.support.simulated.timed import WITH_STATES, state_columns, timed_trace
 
-MODELS = (
+MODELS: tuple[tuple[str, dict[str, int], int], ...] = (
     ("models/classics/train_gate.ta", {"N": 6}, 10_000),
     ("models/classics/fischer.ta", {"N": 6}, 10_000),
     ("models/micro_xrce_dds/paper.ta", {}, 200),
@@ -55,6 +58,61 @@ def _plain_speed(network: Network, until: int) -> float:
         transitions += plain.run(until, runs)
         runs += 1
     return transitions / (time.process_time() - began)
+
+
+FORMULAS: tuple[tuple[str, dict[str, int], int, str, str], ...] = (
+    (
+        "models/classics/train_gate.ta",
+        {"N": 6},
+        20,
+        "<> Train(1).Crossing",
+        "G[0,20] (Train(1).Approaching -> F[0,10] Train(1).Crossing)",
+    ),
+    (
+        "models/classics/train_gate.ta",
+        {"N": 6},
+        100,
+        "<> Train(1).Crossing",
+        "G[0,100] (Train(1).Approaching -> F[0,50] Train(1).Crossing)",
+    ),
+    ("models/classics/fischer.ta", {"N": 6}, 50, "<> P(1).critical", "G[0,30] (P(1).request -> F[0,20] P(1).critical)"),
+)
+
+
+def formulas(runs: int = 20_000) -> None:
+    """CPU time of a run: drawn only, asked with one operator, with a formula, and recorded first and evaluated then."""
+    for path, constants, until, one, several in FORMULAS:
+        model = tachk.load(path, **constants)
+        print(f"{path} until {until}, {several}: {_costs(model, until, one, several, runs)}")
+
+
+def _costs(model: tachk.Model, until: int, one: str, several: str, runs: int) -> str:
+    network, drawing = model.network, SimulationOptions(1, until * TICKS_PER_UNIT)
+    read = formulas_for(several, network)
+    recorded = Runs(network, columns_with(network, (), read))
+
+    def evaluate_afterwards() -> None:
+        for run in recorded.draw(drawing, range(runs // 20), RecordedChanges(observed=True)):
+            truths_on(recorded.trace(run), read)
+
+    alone = _seconds(lambda: list(Runs(network, ()).draw(drawing, range(runs)))) / runs
+    asked = _seconds(lambda: model.estimate(f"Pr[<={until}]({one})", runs=runs)) / runs
+    formula = _seconds(lambda: model.estimate(f"Pr[<={until}]({several})", runs=runs)) / runs
+    after = _seconds(evaluate_afterwards) / (runs // 20)
+    return (
+        f"CPU µs a run {1e6 * alone:.1f}, with {one} {1e6 * asked:.1f}, with the formula {1e6 * formula:.1f} "
+        f"({formula / alone:.2f} times), recorded and evaluated afterwards {1e6 * after:.0f}"
+    )
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    """CPU time, the least of three."""
+    times = []
+    for _ in range(3):
+        began = time.process_time()
+        work()
+        times.append(time.process_time() - began)
+    return min(times)
 
 
 def agree(count: int, seed: int) -> int:
@@ -88,5 +146,7 @@ def agree(count: int, seed: int) -> int:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["speed"]:
         speed()
+    elif sys.argv[1:2] == ["formulas"]:
+        formulas()
     else:
         sys.exit(agree(int(sys.argv[2]), int(sys.argv[3])))

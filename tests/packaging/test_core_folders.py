@@ -31,6 +31,8 @@ FLOORS = (
 
 OF_TRACES = {"csv": ("decimals",), "monitoring": ("decimals",)}
 """What the folders that know no network use."""
+OF_BOTH = {"monitored": ("flow", "simulation", "monitoring")}
+"""What a folder uses that joins networks and traces."""
 
 if not CORE.is_dir():
     pytest.skip("needs a checkout", allow_module_level=True)
@@ -86,6 +88,6 @@ def test_every_test_is_run_and_stands_in_the_folder_that_it_tests() -> None:
 @pytest.mark.parametrize("source", [source for source in SOURCES if not source.startswith("bind/")])
 def test_a_source_uses_only_its_own_folder_and_those_below(source: str) -> None:
     folder = source.split("/")[0]
-    below = FLOORS[: FLOORS.index(folder)] if folder in FLOORS else OF_TRACES.get(folder, ())
+    below = FLOORS[: FLOORS.index(folder)] if folder in FLOORS else (OF_TRACES | OF_BOTH).get(folder, ())
     assert {header.split("/")[0] for header in included(source)} <= {folder, *below}
     assert "Python.h" not in (CORE / source).read_text(encoding="utf-8")

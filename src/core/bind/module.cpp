@@ -202,6 +202,7 @@ NB_MODULE(_core, m) {
   bind_group(m);
   bind_runs(m);
   bind_simulation(m);
+  bind_monitored(m);
   bind_trials(m);
   bind_splitting(m);
   bind_unit_run(m);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "flow/chances.hpp"
@@ -32,6 +33,9 @@ struct RunRecord {
   std::vector<std::uint32_t> edges;    // of all of them
   std::vector<std::int64_t> observed;  // row by row; doubles as their bits
   std::vector<flow::Ticks> clocks;     // row by row
+
+  // Back to what a new record is, but for the memory that it has.
+  void clear();
 };
 
 struct RunRequest {
@@ -60,15 +64,33 @@ class Simulation {
   const Tables& tables() const { return tables_; }
 
  private:
-  void run_one(Simulator& simulator, const RunRequest& request, std::uint64_t number, RunRecord& record,
-               std::uint64_t& unseen) const;
-  void keep(Simulator& simulator, const RunRequest& request, RunRecord& record) const;
-  void keep_values(Simulator& simulator, const RunRequest& request, RunRecord& record) const;
-  std::size_t cells_of_row(const RecordedParts& recording) const;
-
   program::Program program_;
   flow::Chances chances_;
   Tables tables_;
+};
+
+// Draws runs one after the other. The arguments must outlive it.
+class RunRecorder {
+ public:
+  // Looks at what is recorded so far, after each row: true ends the run there. May be empty.
+  using Enough = std::function<bool(const RunRecord& record)>;
+
+  RunRecorder(const Simulation& simulation, const RunRequest& request, Enough enough = {});
+
+  // The run of this number, in the place of what the record holds. Throws what `poll` throws.
+  void run(std::uint64_t number, RunRecord& record);
+
+ private:
+  void go_on(RunRecord& record);
+  bool keep(RunRecord& record);
+  void keep_values(RunRecord& record);
+  std::size_t cells_of_row() const;
+
+  const Simulation& simulation_;
+  const RunRequest& request_;
+  Enough enough_;
+  Simulator simulator_;
+  std::uint64_t unseen_ = 0;  // transitions, with what is recorded of them, since the last poll
 };
 
 }  // namespace tachk::simulation

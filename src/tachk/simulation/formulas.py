@@ -17,7 +17,7 @@ from tachk.recordings.monitors.offline import evaluate_formulas
 from tachk.recordings.monitors.row_names import TIME
 from tachk.recordings.traces.conventions import EvaluationOptions
 from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.trace import Trace
+from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_files import open_trace
 from tachk.simulation.columns import Column, all_columns, chosen_columns, columns_for
 from tachk.syntax import ast
@@ -102,7 +102,13 @@ def truths_on(trace: Trace, formulas: tuple[NamedFormula, ...]) -> dict[str, Tru
     if not formulas:
         return {}
     recording = open_trace(trace)
-    whole = (each.within(recording.columns) for each in formulas)
-    conditions = [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in whole]
-    verdicts = evaluate_formulas(conditions, recording, EvaluationOptions(robustness=False)).verdicts
+    verdicts = evaluate_formulas(
+        with_conditions(formulas, recording), recording, EvaluationOptions(robustness=False)
+    ).verdicts
     return {verdict.name: verdict.truth for verdict in verdicts}
+
+
+def with_conditions(formulas: Iterable[NamedFormula], recording: TraceSource) -> list[NamedFormula]:
+    """The formulas about the columns of a recording, in which numbers are conditions as in models."""
+    whole = (each.within(recording.columns) for each in formulas)
+    return [replace(each, formula=with_numbers_as_conditions(each.formula)) for each in whole]

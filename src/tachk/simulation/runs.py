@@ -39,7 +39,7 @@ class Runs:
         self.columns = tuple(columns)
         program, chances = lower_simulation(network, [*observed(columns), *counters])
         self.program = program
-        self._simulator = Simulator(program, chances)
+        self.simulator = Simulator(program, chances)
 
     def draw(
         self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges = _NOTHING
@@ -48,7 +48,7 @@ class Runs:
         batch = _LONG_BATCH if recorded == _NOTHING else _BATCH
         for first in range(numbers.start, numbers.stop, batch):
             check_job()
-            yield from self._simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
+            yield from self.simulator.runs(drawing, range(first, min(first + batch, numbers.stop)), recorded)
 
     def trace(self, run: Simulated) -> Trace:
         """The observed columns of a run."""

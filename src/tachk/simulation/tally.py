@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tachk.base.job import StoppedError
 from tachk.engine.outcome import INTERRUPTED
-from tachk.engine.simulation.simulator import Simulated, SimulationEnding
+from tachk.engine.simulation.simulator import RecordedChanges, Rows, Simulated, SimulationEnding, SimulationOptions
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.runs import Runs
@@ -71,7 +71,34 @@ class Tally:
         return clopper_pearson(counts[Truth.FALSE], counts.total(), confidence, maybe=counts[Truth.UNDETERMINED])
 
 
-def take_until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], None], tally: Tally) -> None:
+EvaluatedRun = tuple[Simulated, Mapping[str, Truth]]
+"""A run, and the verdicts of formulas on it."""
+
+
+def drawn_runs(
+    runs: Runs,
+    formulas: tuple[NamedFormula, ...],
+    drawing: SimulationOptions,
+    numbers: range,
+    recorded: RecordedChanges,
+    *,
+    all_rows: bool,
+) -> Iterator[EvaluatedRun]:
+    """The runs of these numbers, in order. Raises StoppedError between them.
+
+    Args:
+        recorded: of all runs without formulas; with them of those on which one is false, and of others the last row.
+        all_rows: of other runs, too.
+    """
+    if not formulas:
+        yield from ((run, {}) for run in runs.draw(drawing, numbers, recorded))
+        return
+    from tachk.simulation.monitored import evaluated  # monitors, where there is a formula
+
+    yield from evaluated(runs, formulas, drawing, numbers, recorded, Rows.ALL if all_rows else Rows.VIOLATING)
+
+
+def take_until_stopped(drawn: Iterator[EvaluatedRun], take: Callable[[EvaluatedRun], None], tally: Tally) -> None:
     """Takes the runs. Where a limit or the user ends that, the tally says so."""
     try:
         for run in drawn:
@@ -84,22 +111,21 @@ def take_until_stopped(drawn: Iterator[Simulated], take: Callable[[Simulated], N
 
 def take_run(
     runs: Runs,
-    formulas: tuple[NamedFormula, ...],
     wanted: FaultedNetwork,
     tally: Tally,
     write: WriteRun | None,
     all_runs: bool,
-    run: Simulated,
+    evaluated: EvaluatedRun,
 ) -> None:
-    """Judges, writes and counts a run; it does not count if a limit or the user ends that.
+    """Writes and counts a run; it does not count if a limit or the user ends that.
 
     Args:
         write: writes a run; None where no file is wanted.
         all_runs: those on which no formula is false are written, too.
     """
-    truths = _truths(runs, run, formulas)
+    run, truths = evaluated
     counts = runs.counts(run)
-    if write is not None and len(run.times) and (all_runs or not formulas or Truth.FALSE in truths.values()):
+    if write is not None and len(run.times) and (all_runs or not truths or Truth.FALSE in truths.values()):
         write(run, runs)
         tally.written += 1
     for name, truth in truths.items():
@@ -108,12 +134,3 @@ def take_run(
     tally.done.update(dict(zip(wanted.done, counted, strict=False)))
     tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
     tally.add(run)
-
-
-def _truths(runs: Runs, run: Simulated, formulas: tuple[NamedFormula, ...]) -> Mapping[str, Truth]:
-    """The verdicts about a run; none where there are no formulas, or the run has no state."""
-    if not formulas or not len(run.times):
-        return {}
-    from tachk.simulation.formulas import truths_on  # monitors, where there is a formula
-
-    return truths_on(runs.trace(run), formulas)

@@ -79,7 +79,7 @@ def test_what_a_look_raises_ends_all_threads(threads: int) -> None:
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        runs._simulator._core.run(
+        runs.simulator._core.run(
             policy=_core.Policy.STOCHASTIC,
             seed=0,
             first=0,

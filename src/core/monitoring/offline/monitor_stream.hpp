@@ -46,6 +46,24 @@ class Stream {
  public:
   Cell frontier = 0;
 
+  Stream() = default;
+  Stream(const Stream& other) { *this = other; }
+  // Only what is in use: the room of a stream is often much larger.
+  Stream& operator=(const Stream& other) {
+    if (this == &other) return *this;
+    frontier = other.frontier;
+    base_ = other.base_;
+    size_ = 0;
+    reserve(other.size_);
+    size_ = other.size_;
+    std::copy_n(other.starts_.begin(), size_, starts_.begin());
+    std::copy_n(other.values_.begin(), size_, values_.begin());
+    return *this;
+  }
+  Stream(Stream&&) = default;
+  Stream& operator=(Stream&&) = default;
+  ~Stream() = default;
+
   std::size_t begin() const { return base_; }
   std::size_t end() const { return base_ + size_; }
   // To be indexed by the numbers of pieces.
@@ -73,6 +91,16 @@ class Stream {
     return {starts_.data() + size_, values_.data() + size_};
   }
   void commit(std::size_t count) { size_ += count; }
+
+  // Back to no piece at all. Memory stays, if it is not much.
+  void restart() {
+    frontier = 0;
+    base_ = 0;
+    size_ = 0;
+    if (starts_.size() <= 65536) return;
+    starts_ = {};
+    values_ = {};
+  }
 
   // Pieces before number `needed` are no longer read. The last one stays, so that equal neighbours can be joined.
   void trim(std::size_t needed) {

@@ -7,6 +7,12 @@
 
 namespace tachk::monitoring::offline {
 
+namespace {
+
+bool is_leaf(const StreamNode& node) { return node.kind == StreamKind::pointwise || node.kind == StreamKind::change; }
+
+}  // namespace
+
 template <class Value>
 OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests, Leaves leaves)
     : program_((validate(program), std::move(program))),
@@ -17,13 +23,34 @@ OfflineMonitor<Value>::OfflineMonitor(MonitorProgram program, Requests requests,
   if (requests_.verdict) verdict_ = plan(program_.nodes.size() - 1, false);
   for (const std::size_t node : requests_.signals) side_.logs.push_back({graph_.stream_of(node, false), 0, {}, {}});
 
-  side_.streams.resize(graph_.streams().size());
+  for (std::size_t number = 0; number < graph_.streams().size(); ++number)
+    if (is_leaf(graph_.streams()[number])) leaves_.push_back(number);
+  begin(side_);
+}
+
+// Streams without any piece, and operators that have seen none.
+template <class Value>
+void OfflineMonitor<Value>::begin(Side& side) const {
+  side.streams.resize(graph_.streams().size());
+  side.operators.clear();
+  side.changes.clear();
   for (const StreamNode& node : graph_.streams()) {
-    const bool leaf = node.kind == StreamKind::pointwise || node.kind == StreamKind::change;
-    if (leaf) leaves_.push_back(side_.operators.size());
-    side_.operators.push_back(leaf ? nullptr : make_operator<Value>(node));
-    side_.changes.emplace_back(node.dual);
+    side.operators.push_back(is_leaf(node) ? nullptr : make_operator<Value>(node));
+    side.changes.emplace_back(node.dual);
   }
+}
+
+template <class Value>
+void OfflineMonitor<Value>::restart() {
+  for (Stream<Value>& stream : side_.streams) stream.restart();
+  begin(side_);
+  for (Fold& fold : side_.folds)
+    fold = {fold.node,  fold.stream, fold.dual,
+            fold.first, fold.last,   fold.dual ? Bounds<Value>::greatest : Bounds<Value>::least};
+  for (SignalLog& log : side_.logs) log = {log.stream, 0, {}, {}};
+  side_.end = {};
+  lasting_.reset();
+  position_ = {};
 }
 
 // The verdict of G f and F f needs no stream of its own, only the minimum or maximum of f.
@@ -213,15 +240,14 @@ std::size_t OfflineMonitor<Value>::bytes() const {
 }
 
 template <class Value>
-auto OfflineMonitor<Value>::copy(const Side& side) const -> Side {
-  Side result;
+void OfflineMonitor<Value>::copy(const Side& side, Side& result) const {
   result.streams = side.streams;
+  result.operators.clear();
   for (const auto& what : side.operators) result.operators.push_back(what == nullptr ? nullptr : what->clone());
   result.changes = side.changes;
   result.folds = side.folds;
   result.logs = side.logs;
   result.end = side.end;
-  return result;
 }
 
 template <class Value>
@@ -251,14 +277,18 @@ template <class Value>
 void OfflineMonitor<Value>::close() {
   side_.end.finished = true;
   drain(side_);
-  low_ = copy(side_);
-  std::optional<Side> held;
-  if (requests_.verdict && side_.logs.empty() && !settled()) held = copy(side_);
+  if (settled()) {  // nothing beyond the end counts
+    low_.folds = side_.folds;
+    return;
+  }
+  copy(side_, low_);
+  const bool speaks_of_rest = requests_.verdict && requests_.lasting && side_.logs.empty();
+  if (speaks_of_rest) copy(side_, held_);
   conclude(low_, TraceEnd::Beyond::least);
   conclude(side_, TraceEnd::Beyond::greatest);
-  if (!held) return;
-  conclude(*held, TraceEnd::Beyond::held);
-  lasting_ = value_of(verdict_, held->folds);
+  if (!speaks_of_rest) return;
+  conclude(held_, TraceEnd::Beyond::held);
+  lasting_ = value_of(verdict_, held_.folds);
 }
 
 template <class Value>
@@ -274,7 +304,7 @@ void OfflineMonitor<Value>::conclude(Side& side, TraceEnd::Beyond beyond) {
     side.streams[leaf].frontier = endless;
   }
   drain(side);
-  side.streams.clear();
+  for (Stream<Value>& stream : side.streams) stream.restart();
   side.operators.clear();
 }
 

@@ -33,6 +33,7 @@ struct FirstViolation {
 struct Requests {
   bool verdict = true;                    // the value of the formula at cell 0, and its first violation
   std::vector<std::size_t> signals = {};  // nodes whose whole signal is wanted
+  bool lasting = true;                    // the verdict if values stay as they are, beside the verdict
 };
 
 // Pieces of a signal, from cell 0 to the end of the trace; adjacent pieces differ.
@@ -59,6 +60,8 @@ class OfflineMonitor {
   // Instead of samples and an end: whole signals of the leaves, of which only the cells up to `last` count, but for
   // `lasting`.
   void evaluate(Cell last, const std::function<void(const StreamNode&, Stream<Value>&)>& fill);
+  // Forgets the trace; another one may follow.
+  void restart();
   // True if further samples cannot change any result.
   bool settled() const;
   std::size_t columns() const { return program_.columns; }
@@ -122,7 +125,8 @@ class OfflineMonitor {
   void record(SignalLog& log, const Side& side);
   void close();
   void conclude(Side& side, TraceEnd::Beyond beyond);
-  Side copy(const Side& side) const;
+  void begin(Side& side) const;
+  void copy(const Side& side, Side& result) const;
   Range<Value> bounds_of(const Term& term) const;
   Value value_of(const Term& term, const std::vector<Fold>& folds) const;
   void find_violation(const Term& term, const std::vector<Fold>& folds, std::optional<FirstViolation>& earliest) const;
@@ -136,7 +140,8 @@ class OfflineMonitor {
   Term verdict_{};
   Side side_;
   std::optional<Value> lasting_;
-  Side low_;  // of a finished trace; side_ is the high one
+  Side low_;   // of a finished trace; side_ is the high one
+  Side held_;  // and of one whose values stay as they are
   TracePosition position_;
   std::vector<std::size_t> needed_;  // scratch of trim
 };

@@ -31,7 +31,7 @@ from tachk.simulation.stepping.replaying import replay_submitted
 from tachk.simulation.stepping.run_file import read_run_file, run_text, step_line, steps_text
 from tachk.simulation.stepping.session import NotPossibleError, Session
 from tachk.simulation.stepping.submitted import SubmittedRun
-from tachk.simulation.tally import Tally, take_run, take_until_stopped
+from tachk.simulation.tally import Tally, drawn_runs, take_run, take_until_stopped
 from tachk.simulation.times import parsed_time_bound
 
 _RUN_TEXT = "<run>"
@@ -66,8 +66,9 @@ def simulate(arguments: Mapping[str, Any], limits: ToolLimits) -> ToolAnswer:
             shown_runs.append(run)
 
     tally = Tally()
-    drawn = runs.draw(drawing, range(heading.runs), RecordedChanges(shown > 0, bool(formulas or wanted.done)))
-    take_until_stopped(drawn, partial(take_run, runs, formulas, wanted, tally, keep, False), tally)
+    recorded = RecordedChanges(shown > 0, bool(formulas or wanted.done))
+    drawn = drawn_runs(runs, formulas, drawing, range(heading.runs), recorded, all_rows=False)
+    take_until_stopped(drawn, partial(take_run, runs, wanted, tally, keep, False), tally)
     with unhurried(GRACE):
         found = [_drawn_run(model, run, constants, not arguments.get("faults")) for run in shown_runs]
     result = {

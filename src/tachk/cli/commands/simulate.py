@@ -185,7 +185,7 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     from tachk.simulation.fault_injection import read_plan, with_faults
     from tachk.simulation.formulas import columns_with, formulas_for
     from tachk.simulation.runs import Runs
-    from tachk.simulation.tally import Tally, take_run, take_until_stopped
+    from tachk.simulation.tally import Tally, drawn_runs, take_run, take_until_stopped
     from tachk.simulation.times import parsed_time_bound
 
     if (arguments.policy == SCRIPT) is (arguments.script is None):
@@ -213,8 +213,9 @@ def run_simulate(arguments: SimulateArguments) -> ExitStatus:
     opened = nullcontext() if file is None else run_files(file, model, definitions, arguments.runs)
     with _reported_when_stopped(file, tally), opened as write:
         numbers = range(arguments.first, arguments.first + arguments.runs)
-        drawn = runs.draw(drawing, numbers, RecordedChanges(holds_steps(file), observed))
-        take_until_stopped(drawn, partial(take_run, runs, formulas, wanted, tally, write, arguments.all_runs), tally)
+        recorded = RecordedChanges(holds_steps(file), observed)
+        drawn = drawn_runs(runs, formulas, drawing, numbers, recorded, all_rows=arguments.all_runs)
+        take_until_stopped(drawn, partial(take_run, runs, wanted, tally, write, arguments.all_runs), tally)
         if write is not None and tally.stopped and not tally.written:
             raise _NothingWritten
     _print(arguments, tally, {formula.name: formula.text for formula in formulas})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from fractions import Fraction
 
@@ -28,6 +28,15 @@ LATEST_TICK = _core.latest_end()
 """Runs end there, however long a tick is."""
 LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
 """The longest run, in units of time."""
+
+RunFormula = _core.RunFormula
+"""A formula that the core evaluates on runs: a program of monitors, the observed values that are its columns (their
+number, whether they are bits of floating point numbers, and what 0, 1, ... stand for, if not for themselves), and the
+ticks of the program in a tick of the runs."""
+Rows = _core.Rows
+"""The runs of which all rows stay."""
+MonitoredRuns = _core.MonitoredRuns
+"""Runs with the truth of each formula on them: arrays in their order."""
 
 Numbers = NDArray[np.int64]
 _NONE: Numbers = np.empty(0, dtype=np.int64)
@@ -71,6 +80,15 @@ _WHAT_HAPPENED = {
 }
 
 _ENDINGS = {ending: SimulationEnding[ending.name] for ending in _core.Ending}
+_NUMBERED = list(_ENDINGS.values())
+FAULT = _NUMBERED.index(SimulationEnding.FAULT)
+"""The number of this ending in arrays."""
+
+
+def counted_endings(endings: NDArray[np.int8]) -> dict[SimulationEnding, int]:
+    """How many runs end how, of an array with the number of the ending of each."""
+    counts = np.bincount(endings, minlength=len(_NUMBERED)).tolist()
+    return {ending: count for ending, count in zip(_NUMBERED, counts, strict=True) if count}
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,14 +194,53 @@ class Simulator:
             check=current_job().check,
         )
         for number, record in zip(numbers, found, strict=True):
-            yield self._simulated(number, drawing.ticks_per_unit, record, recorded)
+            yield self.simulated(number, drawing.ticks_per_unit, record, recorded)
 
-    def _simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: RecordedChanges) -> Simulated:
+    def monitored(
+        self,
+        drawing: SimulationOptions,
+        numbers: range,
+        formulas: Sequence[RunFormula],
+        rows: Rows = Rows.NONE,
+        actions: bool = False,
+        until_decided: bool = False,
+    ) -> MonitoredRuns:
+        """The runs of these numbers, on which the core evaluates formulas while it draws them. Raises StoppedError.
+
+        Args:
+            rows: the runs of which all rows stay; of others the last row does.
+            until_decided: a run ends soon after all formulas are decided.
+        """
+        return _core.monitored_runs(
+            self._core,
+            formulas,
+            rows=rows,
+            until_decided=until_decided,
+            policy=_core.Policy[drawing.policy.name],
+            seed=drawing.seed,
+            first=numbers.start,
+            runs=len(numbers),
+            until=drawing.until,
+            ticks_per_unit=drawing.ticks_per_unit,
+            steps=2**63 if drawing.steps is None else drawing.steps,
+            threads=drawing.threads,
+            actions=actions,
+            check=current_job().check,
+        )
+
+    def first_fault(self, drawn: MonitoredRuns) -> tuple[RuntimeErrorKind, Span] | None:
+        """The first run-time error, if there is one."""
+        faults = np.flatnonzero(drawn.endings() == FAULT)
+        return self._fault(drawn.record(int(faults[0]))) if len(faults) else None
+
+    def _fault(self, record: _core.RunRecord) -> tuple[RuntimeErrorKind, Span]:
+        kind, position = record.fault
+        return RuntimeErrorKind[kind.name], site_of(self._program, position)
+
+    def simulated(self, number: int, per_unit: int, record: _core.RunRecord, recorded: RecordedChanges) -> Simulated:
+        """The run of a record."""
         ending = _ENDINGS[record.ending]
-        fault = None
-        if ending is SimulationEnding.FAULT:
-            kind, position = record.fault
-            fault = RuntimeErrorKind[kind.name], site_of(self._program, position)
+        fault = self._fault(record) if ending is SimulationEnding.FAULT else None
         if not (recorded.actions or recorded.observed or recorded.clocks):
             none = (_NONE, _NONE, _NONE)
             return Simulated(number, per_unit, ending, record.end, record.transitions, *none, (), fault, record.lasts)

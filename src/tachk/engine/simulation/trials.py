@@ -16,11 +16,8 @@ from tachk.engine.compiler.program import Chances, Program
 from tachk.engine.core_search import site_of
 from tachk.engine.program_image import encode
 from tachk.engine.simulation.policy import Policy
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, SimulationEnding
+from tachk.engine.simulation.simulator import FAULT, TICKS_PER_UNIT, SimulationEnding, counted_endings
 from tachk.model.fault import RuntimeErrorKind
-
-_ENDINGS = [SimulationEnding[ending.name] for ending in _core.Ending]
-_FAULT = _ENDINGS.index(SimulationEnding.FAULT)
 
 
 class TrialAnswer(IntEnum):
@@ -110,17 +107,16 @@ class Trier:
             check=current_job().check,
         )
         answers, endings = found.answers(), found.endings()
-        counts = np.bincount(endings[answers != TrialAnswer.YES], minlength=len(_ENDINGS))
         fault = None
-        if counts[_FAULT]:
-            kind, position = found.fault(int(np.argmax(endings == _FAULT)))
+        if (endings == FAULT).any():
+            kind, position = found.fault(int(np.argmax(endings == FAULT)))
             fault = RuntimeErrorKind[kind.name], site_of(self.program, position)
         return Trials(
             answers,
             found.ends(),
             int(found.transitions().sum()),
             found.measured(),
-            {ending: int(count) for ending, count in zip(_ENDINGS, counts, strict=True) if count},
+            counted_endings(endings[answers != TrialAnswer.YES]),
             fault,
         )
 

@@ -60,11 +60,16 @@ def evaluate_formulas(
             "robustness in time is defined only if values stay constant between rows",
             "leave out the linear interpolation, or the robustness in time",
         )
-    resolved = [located(named, recording.columns) for named in with_named_values(formulas, recording)]
+    resolved = resolved_on(formulas, recording)
     record = _evaluated_at_once(resolved, recording, evaluation, source)
     if all(verdict.measured is Truth.TRUE for verdict in record.verdicts):
         return record
     return replace(record, trace=replace(record.trace, value_names=names_of_values(formulas, recording)))
+
+
+def resolved_on(formulas: Sequence[NamedFormula], recording: TraceSource) -> list[NamedFormula]:
+    """The formulas with the names of values and locations that a recording has."""
+    return [located(named, recording.columns) for named in with_named_values(formulas, recording)]
 
 
 def _evaluated_at_once(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -10,16 +9,15 @@ from math import lcm
 
 import numpy as np
 
-from tachk.base.time_units import length_of
-from tachk.engine.simulation.simulator import RecordedChanges, Simulated, SimulationEnding, SimulationOptions
+from tachk.engine.compiler.features import check_simulated
+from tachk.engine.compiler.lower import lower_simulation
+from tachk.engine.simulation.simulator import SimulationOptions, Simulator, counted_endings
 from tachk.engine.simulation.trials import TrialAnswer, Trials
 from tachk.model.expressions import Constant, Expression
 from tachk.model.floating import DOUBLE
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula, RunOperator
 from tachk.model.statistical import FormulaPath
-from tachk.recordings.traces.certainty import is_certainly_false
-from tachk.recordings.traces.core_monitor import monitor_truth
 from tachk.recordings.traces.monitor_program import (
     UNBOUNDED,
     AtomRelation,
@@ -30,47 +28,46 @@ from tachk.recordings.traces.monitor_program import (
     ValueInstruction,
     ValueOperator,
 )
-from tachk.recordings.traces.node_signal import Truth
-from tachk.recordings.traces.trace import Trace
-from tachk.simulation.columns import Column
-from tachk.simulation.runs import Runs
+from tachk.simulation.monitored import ObservedColumn, monitored_formula
 from tachk.simulation.statistics.sampling import RunSource, Sampler, reach_of
-
-_ANSWERS = {Truth.TRUE: TrialAnswer.YES, Truth.FALSE: TrialAnswer.NO, Truth.UNDETERMINED: TrialAnswer.UNKNOWN}
 
 
 def formula_sampler(network: Network, path: FormulaPath, source: RunSource) -> Sampler:
-    """The runs that a monitor evaluates. Raises UnsupportedError for a network that cannot be simulated, and InputError
-    for a wrong initial value."""
-    conditions = tuple(dict.fromkeys(_conditions(path.formula)))
-    columns = [
-        Column(str(number), condition, floating=condition.type == DOUBLE) for number, condition in enumerate(conditions)
-    ]
-    runs = Runs(network, columns)
-    reach = reach_of(path.bound, network, runs.program)
+    """The runs that a monitor evaluates: each ends soon after the truth of the formula is known.
+
+    Raises UnsupportedError for a network that cannot be simulated, InputError for a wrong initial value, and UsageError
+    for runs that are too long for the bounds of the formula.
+    """
+    check_simulated(network)
+    conditions = conditions_of(path.formula)
+    program, chances = lower_simulation(network, conditions)
+    simulator = Simulator(program, chances)
+    reach = reach_of(path.bound, network, program)
     assert reach.until is not None
     drawing = SimulationOptions(
         source.seed, reach.until, steps=source.most_steps, threads=source.threads, ticks_per_unit=reach.ticks_per_unit
     )
-    truth = _RunEvaluator(network, path.formula, conditions).truth
+    columns = [ObservedColumn(number, condition.type == DOUBLE) for number, condition in enumerate(conditions)]
+    formula = monitored_formula(formula_program(path.formula, conditions, reach.ticks_per_unit), columns, drawing)
 
     def trials(numbers: range) -> Trials:
-        drawn = runs.draw(drawing, numbers, RecordedChanges(observed=True))
-        return _trials([(run, truth(runs.trace(run)) if len(run.times) else Truth.UNDETERMINED) for run in drawn])
+        drawn = simulator.monitored(drawing, numbers, [formula], until_decided=True)
+        answers, endings = drawn.truths(0), drawn.endings()
+        return Trials(
+            answers,
+            drawn.ends(),
+            int(drawn.transitions().sum()),
+            np.full(len(answers), np.nan),
+            counted_endings(endings[answers != TrialAnswer.YES]),
+            simulator.first_fault(drawn),
+        )
 
     return Sampler(trials, source.first, reach.ticks_per_unit)
 
 
-def _trials(evaluated: list[tuple[Simulated, Truth]]) -> Trials:
-    endings: Counter[SimulationEnding] = Counter(run.ending for run, truth in evaluated if truth is not Truth.TRUE)
-    return Trials(
-        np.array([_ANSWERS[truth] for _, truth in evaluated], dtype=np.int8),
-        np.array([run.end for run, _ in evaluated], dtype=np.int64),
-        sum(run.transitions for run, _ in evaluated),
-        np.full(len(evaluated), np.nan),
-        dict(endings),
-        next((run.fault for run, _ in evaluated if run.fault is not None), None),
-    )
+def conditions_of(formula: RunFormula) -> tuple[Expression, ...]:
+    """The conditions in a formula that have to be observed."""
+    return tuple(dict.fromkeys(_conditions(formula)))
 
 
 def _conditions(formula: RunFormula) -> Iterable[Expression]:
@@ -81,36 +78,17 @@ def _conditions(formula: RunFormula) -> Iterable[Expression]:
             yield operand
 
 
-@dataclass(slots=True)
-class _RunEvaluator:
-    """Attributes:
-    programs: by the ticks of a time unit of the trace.
+def formula_program(formula: RunFormula, conditions: tuple[Expression, ...], ticks_per_unit: int) -> MonitorProgram:
+    """The program of a formula, in ticks so fine that they count the times of runs and its own bounds.
+
+    Args:
+        ticks_per_unit: of the runs.
     """
-
-    network: Network
-    formula: RunFormula
-    conditions: tuple[Expression, ...]
-    programs: dict[int, MonitorProgram] = field(default_factory=dict)
-
-    def truth(self, trace: Trace) -> Truth:
-        """The truth of the formula on a run, as `tachk.recordings.monitors.offline` computes it."""
-        program = self._program(trace)
-        finer = trace.refined(program.ticks_per_unit)
-        found = monitor_truth(program, finer).verdict
-        return Truth.UNDETERMINED if found is Truth.FALSE and not is_certainly_false(program, finer) else found
-
-    def _program(self, trace: Trace) -> MonitorProgram:
-        if trace.ticks_per_unit not in self.programs:
-            own, shown = length_of(self.network.time_unit), length_of(trace.unit)
-            unit = Fraction(1) if own is None or shown is None else own / shown
-            bounds = [bound * unit for bound in _bounds(self.formula)]
-            ticks = lcm(trace.ticks_per_unit, *(bound.denominator for bound in bounds))
-            compiler = _RunCompiler(self.conditions, unit * ticks)
-            compiler.node(self.formula)
-            numbers = range(len(self.conditions))
-            columns, atoms = tuple(map(str, numbers)), tuple(map(_atom, numbers))
-            self.programs[trace.ticks_per_unit] = MonitorProgram(columns, atoms, tuple(compiler.nodes), ticks)
-        return self.programs[trace.ticks_per_unit]
+    ticks = lcm(ticks_per_unit, *(bound.denominator for bound in _bounds(formula)))
+    compiler = _RunCompiler(conditions, ticks)
+    compiler.node(formula)
+    numbers = range(len(conditions))
+    return MonitorProgram(tuple(map(str, numbers)), tuple(map(_atom, numbers)), tuple(compiler.nodes), ticks)
 
 
 def _bounds(formula: RunFormula) -> Iterable[Fraction]:
@@ -133,7 +111,7 @@ class _RunCompiler:
     """
 
     conditions: tuple[Expression, ...]
-    ticks: Fraction
+    ticks: int
     nodes: list[MonitorNode] = field(default_factory=list)
     numbers: dict[MonitorNode, int] = field(default_factory=dict)
 

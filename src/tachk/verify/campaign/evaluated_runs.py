@@ -10,11 +10,12 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
-from tachk.engine.simulation.simulator import RecordedChanges, SimulationOptions
+from tachk.engine.simulation.simulator import RecordedChanges, Rows, SimulationOptions
 from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import formula_source, formulas_in
 from tachk.recordings.traces.node_signal import Truth
-from tachk.simulation.formulas import columns_with, formulas_about, truths_on
+from tachk.simulation.formulas import columns_with, formulas_about
+from tachk.simulation.monitored import evaluated
 from tachk.simulation.runs import Runs
 from tachk.simulation.times import parsed_time_bound
 
@@ -77,9 +78,9 @@ class EvaluatedRuns:
         transitions = 0
         until = parsed_time_bound(self.until, network.time_unit)
         drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
-        for run in runs.draw(drawing, range(self.runs), RecordedChanges(observed=True)):
+        recorded = RecordedChanges(observed=True)
+        for run, results in evaluated(runs, formulas, drawing, range(self.runs), recorded, Rows.NONE):
             transitions += run.transitions
-            results = truths_on(runs.trace(run), formulas) if len(run.times) else {}
             for name, counts in truths.items():
                 counts[results.get(name, Truth.UNDETERMINED)] += 1
         for name, counts in truths.items():

@@ -204,6 +204,30 @@ void test_long_traces() {
   }
 }
 
+// A monitor that was used for other traces finds what a new one does.
+void test_restarted_monitors() {
+  Random random(22);
+  for (int round = 0; round < 500; ++round) {
+    const MonitorProgram program = random_program(random);
+    OfflineMonitor<Truth> used(program, {});
+    for (int turn = 0; turn < 4; ++turn) {
+      const Trace trace = random_trace(random, turn == 1 ? 3000 : 1 + below(random, 10));
+      OfflineMonitor<Truth> fresh(program, {});
+      feed(fresh, trace, &random);
+      feed(used, trace, &random);
+      CHECK(used.verdict().low == fresh.verdict().low);
+      CHECK(used.verdict().high == fresh.verdict().high);
+      CHECK(used.lasting() == fresh.lasting());
+      CHECK(used.violation().has_value() == fresh.violation().has_value());
+      if (fresh.violation()) {
+        CHECK(used.violation()->first == fresh.violation()->first);
+        CHECK(used.violation()->last == fresh.violation()->last);
+      }
+      used.restart();
+    }
+  }
+}
+
 MonitorProgram response(std::int64_t deadline) {
   MonitorProgram program;
   program.columns = columns;
@@ -300,6 +324,7 @@ void test_rejections() {
 int main() {
   test_random_formulas();
   test_long_traces();
+  test_restarted_monitors();
   test_first_violation();
   test_a_pending_obligation_is_undetermined();
   test_memory_stays_bounded();
