@@ -82,7 +82,7 @@ class Transformation:
             state, waited = delay(model, state, step.delay), waited + step.delay
             lifted = None if step.transition is None else self.lift_transition(step.transition)
             if lifted is not None:
-                transition = self._in_original(model, state, lifted)
+                transition = self.in_original(model, state, lifted)
                 state = fire(model, state, transition)
                 steps.append(TimedStep(waited, transition, state))
                 waited = Fraction(0)
@@ -90,8 +90,8 @@ class Transformation:
             steps.append(TimedStep(waited, None, state))
         return TimedTrace(initial, tuple(steps))
 
-    def _in_original(self, model: PreparedNetwork, state: TimedState, wanted: Transition) -> Transition:
-        """The transition in which the processes that act take part as wanted. Raises StepError."""
+    def in_original(self, model: PreparedNetwork, state: TimedState, wanted: Transition) -> Transition:
+        """The transition of the original in which the processes that act take part as wanted. Raises StepError."""
         if not is_announced(model, state.discrete, wanted):
             return wanted
 

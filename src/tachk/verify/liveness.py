@@ -31,6 +31,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import DiscreteState, TimedState, TimedTrace
 from tachk.model.traversal import asks_deadlock, clock_in
+from tachk.transform.accompanied_run import accompanied
 from tachk.transform.doubled_edges import DoubledNetwork, strongly_non_zeno
 from tachk.transform.liveness_slice import liveness_preserving_slice
 from tachk.transform.transformation import Transformation, unchanged
@@ -51,12 +52,20 @@ class SearchedRun:
     instrumented: DoubledNetwork | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class RunOfSlice:
+    """A run of the slice that preserves liveness."""
+
+    reduced: Transformation
+    searched: SearchedRun
+
+
 def sliced(problem: Problem) -> Findings:
     """Searches the slice that preserves liveness.
 
-    Only that there is no run is an answer: one that is found has to be shown as one of the whole network.
+    Only that there is no run is an answer: one that is found has to be one of the whole network (`accompanied_run`).
     """
-    verdicts = {}
+    verdicts, runs = {}, {}
     for task in problem.tasks:
         reduced = _reduced(problem.network, task.query)
         if reduced.network is problem.network:
@@ -71,7 +80,50 @@ def sliced(problem: Problem) -> Findings:
             verdicts[task.number] = replace(verdict, unexamined=left_out)
         elif verdict.answer is Answer.UNKNOWN and verdict.fault is None and verdict.exact:
             verdicts[task.number] = verdict
+        elif searched.outcome.run is not None and query == task.query:
+            runs[task.number] = RunOfSlice(reduced, searched)
+    return Findings(verdicts, partial=runs)
+
+
+def some_states(problem: Problem) -> Findings:
+    """Searches some states of the whole network where the slice has a run: most runs are found at once."""
+    found = [task.number for task in problem.tasks if isinstance(problem.partial.get(task.number), RunOfSlice)]
+    return Findings(any_run(problem.about(found)).verdicts)
+
+
+def accompanied_run(problem: Problem) -> Findings:
+    """Carries a run of the slice over: the others do nothing as long as they can.
+
+    Only a run that the judge accepts is an answer.
+    """
+    verdicts = {}
+    for task in problem.tasks:
+        found = problem.partial.get(task.number)
+        if isinstance(found, RunOfSlice):
+            try:
+                with unhurried(LEAST_SECONDS_FOR_DELAYS), limited(SECONDS_FOR_OTHERS):
+                    run = _accompanied_run(problem.model, found)
+            except StoppedError:
+                continue
+            if run is not None:
+                verdict = _of_outcome(task.query, found.searched.outcome)
+                verdicts[task.number] = replace(verdict, trace=run if problem.trace else None)
     return Findings(verdicts)
+
+
+def _accompanied_run(model: PreparedNetwork, found: RunOfSlice) -> TimedTrace | None:
+    """The run, as one of the whole network; None if there is none."""
+    run, obligation = found.searched.outcome.run, found.searched.obligation
+    assert run is not None
+    conditions = [one for one in (obligation.goal, obligation.trigger) if one is not None]
+    part = lasso(prepare(found.reduced.network), run, obligation)
+    whole = None if part is None else accompanied(model, found.reduced, part, conditions)
+    if whole is None:
+        return None
+    try:
+        return replace(whole, due=replay_lasso(model, whole, obligation.goal, obligation.trigger))
+    except ReplayError:
+        return None
 
 
 def _reduced(network: Network, query: Query) -> Transformation:
@@ -98,7 +150,7 @@ def recurring(problem: Problem) -> Findings:
     verdicts = {}
     for task in problem.tasks:
         first = problem.partial.get(task.number)
-        if first is not None and not task.query.non_zeno:
+        if isinstance(first, SearchedRun) and not task.query.non_zeno:
             second = _recurring(problem.network, first.obligation, problem.options, problem.limits)
             verdicts[task.number] = _finished(problem, task, replace(first, outcome=_after(first.outcome, second)))
     return Findings(verdicts)
@@ -119,7 +171,7 @@ def _diverging(problem: Problem, length_of: Callable[[int], int | None]) -> Find
     verdicts, runs = {}, {}
     for task in problem.tasks:
         first = problem.partial.get(task.number)
-        if first is None or not task.query.non_zeno:
+        if not isinstance(first, SearchedRun) or not task.query.non_zeno:
             continue
         query = task.query
         obligation = Obligation(_goal(query), query.begins, query.again, query.ends)
@@ -225,6 +277,9 @@ _ZENO_ONLY = "only runs with infinitely many transitions in finite time would gi
 _INEXACT = "the stopwatches make the search inexact, and the run it found may not be possible"
 
 NO_DELAYS = "a run that shows it was found, but there was no time to find its delays"
+
+SECONDS_FOR_OTHERS = 5.0
+"""The longest time in which a run of the slice is carried over to the whole network."""
 
 SECONDS_FOR_DELAYS, LEAST_SECONDS_FOR_DELAYS = 30.0, 1.0
 """The longest and the shortest time that the search for the delays of a found run gets, whatever the limits."""

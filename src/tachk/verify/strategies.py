@@ -124,6 +124,22 @@ LIVENESS = (
         Exactness.NO_RUN | Exactness.ERRORS,
     ),
     Strategy(
+        "some-states",
+        "search some states of the whole network where a run was found so",
+        _named("tachk.verify.liveness:some_states"),
+        Exactness.SAME_ANSWERS,
+        states=_SOME,
+        preliminary=True,
+        plain=True,
+    ),
+    Strategy(
+        "accompanied",
+        "carry a run that was found so over to the whole network, where the others move only when they must",
+        _named("tachk.verify.liveness:accompanied_run"),
+        Exactness.RUN,
+        share=0.5,
+    ),
+    Strategy(
         "any-run",
         "search for any run that avoids the goal, also one that does not count",
         _named("tachk.verify.liveness:any_run"),
