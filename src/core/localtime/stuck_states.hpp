@@ -33,7 +33,7 @@ class StuckStates final {
 
  private:
   // Of the zone of the last call of `compute`.
-  const zones::Federation& pieces(const program::Disjunct& disjunct) const {
+  const zones::Federation& pieces(const program::Disjunct& disjunct) {
     return disjunct.deadlock == program::DeadlockLiteral::required ? dead_.dead() : dead_.live();
   }
   bool any_piece_meets(const program::Disjunct& disjunct, std::int32_t* slots);

@@ -21,7 +21,7 @@ class DeadStates final {
   // Looks at a zone of a discrete state and all that delays lead to from there. Throws ModelFault.
   void compute(std::int32_t* slots, zones::ConstZoneRef zone);
 
-  const zones::Federation& dead() const { return finder_.dead(); }
+  const zones::Federation& dead() { return finder_.dead(); }
   const zones::Federation& live() const { return finder_.live(); }
 
  private:

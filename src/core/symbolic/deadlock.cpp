@@ -1,6 +1,9 @@
 #include "symbolic/deadlock.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "zones/patience.hpp"
 
 namespace tachk::symbolic {
 
@@ -12,13 +15,22 @@ Delay delay_in(Semantics& semantics, std::int32_t* slots) {
   return passes ? Delay::free : Delay::none;
 }
 
+namespace {
+
+constexpr std::size_t most_pieces = 16;  // from which actions are subtracted as they come
+
+}  // namespace
+
 DeadlockFinder::DeadlockFinder(const zones::ZoneOperations& operations, int dimension)
     : operations_(operations),
       dimension_(dimension),
       whole_(operations),
       possible_(operations),
       dead_(operations, dimension),
-      live_(operations, dimension) {}
+      live_(operations, dimension),
+      waiting_(operations, dimension),
+      parts_(operations, dimension),
+      scratch_(operations) {}
 
 void DeadlockFinder::begin(zones::ConstZoneRef zone, const std::vector<zones::Atom>& invariant, Delay delay,
                            bool wants_live) {
@@ -26,6 +38,7 @@ void DeadlockFinder::begin(zones::ConstZoneRef zone, const std::vector<zones::At
   invariant_ = invariant;
   dead_.clear();
   live_.clear();
+  deferred_.clear();
   whole_.assign(zone);
   const bool inhabited = operations_.intersect(whole_.get(), dimension_, invariant.data(), invariant.size());
   wants_live_ = wants_live && inhabited;
@@ -41,9 +54,13 @@ void DeadlockFinder::add(zones::ConstZoneRef guarded, const std::vector<zones::A
   cuts_.clear();
   if (operations_.includes(possible_.get(), whole_.get(), dimension_)) {
     dead_.clear();
+    deferred_.clear();
   } else {
     find_cuts();
-    dead_.subtract(cuts_);
+    if (dead_.size() > most_pieces)
+      deferred_.push_back(cuts_);
+    else
+      dead_.subtract(cuts_);
   }
   if (!wants_live_) return;
   possible_.assign(whole_.get());
@@ -59,6 +76,42 @@ void DeadlockFinder::find_cuts() {
       if (i != j && raw < operations_.entry(whole_.get(), dimension_, i, j))
         cuts_.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
     }
+}
+
+// Piece by piece, so that a piece that any of the actions covers is gone before others cut it up.
+void DeadlockFinder::settle() {
+  std::swap(dead_, waiting_);
+  dead_.clear();
+  while (!waiting_.empty()) {
+    zones::Patience::check();
+    possible_.assign(waiting_[waiting_.size() - 1]);
+    waiting_.remove_last();
+    const zones::ConstZoneRef piece = possible_.get();
+    const auto is_covered_by = [&](const std::vector<zones::Atom>& cuts) { return covers(cuts, piece); };
+    if (std::any_of(deferred_.begin(), deferred_.end(), is_covered_by)) continue;
+    const auto next = std::find_if(deferred_.begin(), deferred_.end(),
+                                   [&](const std::vector<zones::Atom>& cuts) { return meets(cuts, piece); });
+    if (next == deferred_.end()) {
+      dead_.add(piece);
+      continue;
+    }
+    parts_.clear();
+    parts_.add(piece);
+    parts_.subtract(*next);
+    for (std::size_t part = 0; part < parts_.size(); ++part) waiting_.add(parts_[part]);
+  }
+  deferred_.clear();
+}
+
+bool DeadlockFinder::covers(const std::vector<zones::Atom>& cuts, zones::ConstZoneRef piece) const {
+  return std::all_of(cuts.begin(), cuts.end(), [&](const zones::Atom& cut) {
+    return operations_.entry(piece, dimension_, cut.left, cut.right) <= cut.raw;
+  });
+}
+
+bool DeadlockFinder::meets(const std::vector<zones::Atom>& cuts, zones::ConstZoneRef piece) {
+  scratch_.assign(piece);
+  return operations_.intersect(scratch_.get(), dimension_, cuts.data(), cuts.size());
 }
 
 }  // namespace tachk::symbolic

@@ -39,11 +39,19 @@ class DeadlockFinder {
   // it.
   void add(zones::ConstZoneRef guarded, const std::vector<zones::Atom>& precondition);
 
-  const zones::Federation& dead() const { return dead_; }
+  const zones::Federation& dead() {
+    if (!deferred_.empty()) settle();
+    return dead_;
+  }
   const zones::Federation& live() const { return live_; }
 
  private:
   void find_cuts();
+  // Subtracts the actions that were deferred.
+  void settle();
+  // Whether the conjunction of some cuts covers a part of the whole zone, or meets it.
+  bool covers(const std::vector<zones::Atom>& cuts, zones::ConstZoneRef piece) const;
+  bool meets(const std::vector<zones::Atom>& cuts, zones::ConstZoneRef piece);
 
   zones::ZoneOperations operations_;
   int dimension_;
@@ -55,6 +63,12 @@ class DeadlockFinder {
   std::vector<zones::Atom> cuts_;  // what `possible_` asks for beyond `whole_`
   zones::Federation dead_;
   zones::Federation live_;
+  // The cuts of actions that are subtracted later: one after the other, actions of many processes may cut what is dead
+  // into exponentially many pieces, each of which some later action covers.
+  std::vector<std::vector<zones::Atom>> deferred_;
+  zones::Federation waiting_;  // pieces from which not all deferred actions are subtracted
+  zones::Federation parts_;    // of one of them
+  zones::ZoneBuffer scratch_;
 };
 
 }  // namespace tachk::symbolic

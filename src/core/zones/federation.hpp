@@ -19,6 +19,7 @@ class Federation {
   ConstZoneRef operator[](std::size_t number) const { return zones_[number].get(); }
 
   void add(ConstZoneRef zone);
+  void remove_last() { --count_; }
   // Keeps what lies outside the conjunction of the atoms, as disjoint zones if those before were.
   void subtract(const std::vector<Atom>& atoms);
 

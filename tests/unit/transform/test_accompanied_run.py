@@ -72,3 +72,12 @@ def test_a_late_trigger_needs_no_states_of_the_others(tmp_path: Path) -> None:
     (verdict,) = tachk.load(file).verify("Main.l6 --> Main.never").record.verdicts
     assert (verdict.answer, verdict.strategy) == (Answer.FAILS, "accompanied")
     assert verdict.statistics.states_stored < 20
+
+
+@pytest.mark.parametrize("without", [(), ("accompanied",), ("sliced",)])
+def test_many_others_cost_little_in_each_state(without: tuple[str, ...], tmp_path: Path) -> None:
+    """What many others can do next is not put together in all ways."""
+    model = loaded(tmp_path, Ending.IDLE, others=18)
+    (verdict,) = model.verify("Main.here --> Main.never", options=Options().off(*without)).record.verdicts
+    assert verdict.answer is Answer.FAILS
+    assert verdict.statistics.states_stored < 20_000
