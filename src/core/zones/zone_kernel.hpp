@@ -424,9 +424,8 @@ struct Kernel {
       difference |= fresh ^ old;
       vector(first, v) = fresh;
     }
-    const bool first_changed = any(difference);
-    if (!changed && !first_changed) return;
-    if (!first_changed) closed.add(0);
+    if (!changed && !any(difference)) return;
+    closed.add(0);  // where a bound of it was relaxed, no other way leads to that clock: its column was raised
     close(zone, dimension, freed, closed);
   }
 
