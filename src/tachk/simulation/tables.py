@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,14 @@ from tachk.base.time_units import NANOSECONDS
 from tachk.base.whole_files import whole_file, whole_text
 from tachk.recordings.traces.trace import LARGEST_TICK, Trace
 from tachk.recordings.traces.vcd_units import time_comment
+from tachk.simulation.runs import RunRows
+
+if TYPE_CHECKING:
+    from tachk.engine.simulation.simulator import Simulated
+    from tachk.simulation.runs import Runs
+
+PARQUET = (".parquet", ".pq")
+"""The endings of Parquet's files."""
 
 RUN = "{run}"
 """Stands for the number of the run in the name of a file for each run."""
@@ -48,7 +56,7 @@ Row = tuple[str, list[Any]]
 @contextmanager
 def run_writer(path: Path) -> Iterator[Writer]:
     """The writer of runs, given with their numbers. Raises UsageError for an unknown ending of the file."""
-    kinds = {".csv": _csv, ".jsonl": _json_lines, ".parquet": _parquet, ".pq": _parquet, ".vcd": _vcd}
+    kinds = {".csv": _csv, ".jsonl": _json_lines, **dict.fromkeys(PARQUET, _parquet), ".vcd": _vcd}
     opened = kinds.get(path.suffix.lower())
     if opened is None:
         raise UsageError(f"{path}: runs are written as {', '.join(kinds)}", "give the file one of these endings")
@@ -87,7 +95,7 @@ def _csv(path: Path) -> Iterator[Writer]:
             nonlocal begun
             with _whole_run(out):
                 if not begun:
-                    out.write(",".join(["run", _time_name(trace), *map(_quoted, trace.columns)]) + "\n")
+                    out.write(",".join(["run", _time_name(trace.unit), *map(_quoted, trace.columns)]) + "\n")
                 for time, values in _rows(trace):
                     out.write(f"{number},{time},{','.join(map(_cell, values))}\n")
             begun = True
@@ -100,7 +108,7 @@ def _json_lines(path: Path) -> Iterator[Writer]:
     with whole_text(path) as out:
 
         def write(number: int, trace: Trace) -> None:
-            head = f'{{"run": {number}, "{_time_name(trace)}": '
+            head = f'{{"run": {number}, "{_time_name(trace.unit)}": '
             with _whole_run(out):
                 for time, values in _rows(trace):
                     row = json.dumps(dict(zip(trace.columns, values, strict=True)))
@@ -110,7 +118,41 @@ def _json_lines(path: Path) -> Iterator[Writer]:
 
 
 @contextmanager
+def parquet_of_runs(path: Path) -> Iterator[Callable[[Simulated, Runs], None]]:
+    """Writes runs that are drawn into one table. Many are taken together: one by one they take many times as long."""
+    with _row_groups(path) as add:
+        waiting: list[Simulated] = []
+        drawn: Runs | None = None
+        rows = 0
+
+        def flush() -> None:
+            nonlocal rows
+            if drawn is not None and waiting:
+                table = drawn.rows(waiting)
+                waiting.clear()
+                rows = 0
+                add(table)
+
+        def write(run: Simulated, runs: Runs) -> None:
+            nonlocal drawn, rows
+            drawn = runs
+            waiting.append(run)
+            rows += len(run.times)
+            if rows >= _ROW_GROUP:
+                flush()
+
+        yield write
+        flush()
+
+
+@contextmanager
 def _parquet(path: Path) -> Iterator[Writer]:
+    with _row_groups(path) as add:
+        yield lambda number, trace: add(_rows_of(number, trace))
+
+
+@contextmanager
+def _row_groups(path: Path) -> Iterator[Callable[[RunRows], None]]:
     with optional_packages():
         import pyarrow
         from pyarrow import parquet
@@ -132,34 +174,38 @@ def _parquet(path: Path) -> Iterator[Writer]:
             waiting.clear()
             rows = 0
 
-        def write(number: int, trace: Trace) -> None:
+        def add(more: RunRows) -> None:
             nonlocal rows
-            exact = bool(trace.unit) and NANOSECONDS[trace.unit] % trace.ticks_per_unit == 0
-            name = "time" if exact else _time_name(trace)
-            times = _durations(path, trace) if exact else trace.times / trace.ticks_per_unit
-            run = np.full(trace.rows, number, dtype=np.int64)
-            waiting.append(pyarrow.table({"run": run, name: times, **dict(_typed_columns(trace))}))
-            rows += trace.rows
+            exact = bool(more.unit) and NANOSECONDS[more.unit] % more.ticks_per_unit == 0
+            name = "time" if exact else _time_name(more.unit)
+            times = _durations(path, more) if exact else more.times / more.ticks_per_unit
+            columns: dict[str, Any] = {**more.columns}
+            for column, labels in more.labels.items():
+                places = pyarrow.array(more.columns[column].astype(np.int32))
+                texts = pyarrow.DictionaryArray.from_arrays(places, pyarrow.array(labels, pyarrow.string()))
+                columns[column] = texts.dictionary_decode()
+            waiting.append(pyarrow.table({"run": more.run, name: times, **columns}))
+            rows += len(more.run)
             if rows >= _ROW_GROUP:
                 flush()
 
-        yield write
+        yield add
         if is_damaged:  # Ctrl-C came while rows were written
             raise KeyboardInterrupt
         flush()
 
 
-def _time_name(trace: Trace) -> str:
+def _time_name(unit: str) -> str:
     """The name of the column of times, with their unit."""
-    return f"time [{trace.unit}]" if trace.unit else "time"
+    return f"time [{unit}]" if unit else "time"
 
 
-def _durations(path: Path, trace: Trace) -> NDArray[np.timedelta64]:
-    """The times of a trace whose ticks are whole nanoseconds."""
-    tick = NANOSECONDS[trace.unit] // trace.ticks_per_unit
-    if trace.end * tick >= 2**63:
+def _durations(path: Path, rows: RunRows) -> NDArray[np.timedelta64]:
+    """The times of rows whose ticks are whole nanoseconds."""
+    tick = NANOSECONDS[rows.unit] // rows.ticks_per_unit
+    if rows.end * tick >= 2**63:
         raise UsageError(f"{path}: Parquet has no durations of more than 292 years", "write .csv or .jsonl")
-    return np.asarray(trace.times * tick, dtype="timedelta64[ns]")
+    return np.asarray(rows.times * tick, dtype="timedelta64[ns]")
 
 
 class _ExactDouble(float):
@@ -169,16 +215,17 @@ class _ExactDouble(float):
         return repr(float(self))
 
 
-def _typed_columns(trace: Trace) -> Iterator[tuple[str, NDArray[Any]]]:
-    """The values of each column, of the same type for all runs of a model."""
-    labels = np.array(trace.labels, dtype=object)
+def _rows_of(number: int, trace: Trace) -> RunRows:
+    """The rows of one run; each column has the same type for all runs of a model."""
+    columns: dict[str, NDArray[Any]] = {}
     for name, values in trace.columns.items():
-        if name in trace.texts:
-            yield name, labels[values.astype(np.int64)]
-        elif values.dtype.kind == "u":
-            yield name, values.astype(np.bool_)
+        if name in trace.texts or (name not in trace.floating and values.dtype.kind != "u"):
+            columns[name] = values.astype(np.int64)
         else:
-            yield name, values if name in trace.floating else values.astype(np.int64)
+            columns[name] = values.astype(np.bool_) if values.dtype.kind == "u" else values
+    run = np.full(trace.rows, number, dtype=np.int64)
+    labels = dict.fromkeys(trace.texts, trace.labels)
+    return RunRows(run, trace.times, trace.end, trace.ticks_per_unit, trace.unit, columns, labels)
 
 
 @contextmanager

@@ -53,7 +53,8 @@ class Tally:
 
     def add(self, run: Simulated) -> None:
         # First the example, or Ctrl-C in between leaves an ending that has none.
-        self.examples.setdefault(run.ending, (run.number, decimal_time(run.end, run.ticks_per_unit)))
+        if run.ending not in self.examples:
+            self.examples[run.ending] = run.number, decimal_time(run.end, run.ticks_per_unit)
         self.transitions += run.transitions
         self.endings[run.ending] += 1
         if run.fault is not None and not self.faults:
@@ -124,13 +125,14 @@ def take_run(
         all_runs: those on which no formula is false are written, too.
     """
     run, truths = evaluated
-    counts = runs.counts(run)
+    counts = runs.counts(run) if wanted.done or wanted.missed else []
     if write is not None and len(run.times) and (all_runs or not truths or Truth.FALSE in truths.values()):
         write(run, runs)
         tally.written += 1
     for name, truth in truths.items():
         tally.count(name, run.number, truth)
-    counted = iter(counts)
-    tally.done.update(dict(zip(wanted.done, counted, strict=False)))
-    tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
+    if counts:
+        counted = iter(counts)
+        tally.done.update(dict(zip(wanted.done, counted, strict=False)))
+        tally.missed.update(dict(zip(wanted.missed, counted, strict=False)))
     tally.add(run)

@@ -12,14 +12,15 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
 from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, SimulationOptions
+from tachk.formats.loading.load import load_model
 from tachk.formats.network_json.network import network_from_json, network_to_json
 from tachk.recordings.traces.logs.set_of_runs import SeveralRuns
 from tachk.recordings.traces.node_signal import Truth
 from tachk.recordings.traces.trace import Trace
 from tachk.recordings.traces.trace_files import open_trace
-from tachk.simulation.columns import all_columns, chosen_columns
+from tachk.simulation.columns import all_columns, chosen_columns, columns_for
 from tachk.simulation.runs import Runs
-from tachk.simulation.tables import decimal_time, run_writer
+from tachk.simulation.tables import decimal_time, parquet_of_runs, run_writer
 
 MODEL = """
 time_unit = 10 ms;
@@ -220,3 +221,42 @@ def test_a_wrong_column_is_reported_with_those_that_there_are(name: str, help: s
     with pytest.raises(UsageError) as told:
         chosen_columns(tachk.loads(MODEL).network, [name])
     assert told.value.help == help
+
+
+ROWS = """
+{unit}
+bool b; int[-3, 5] n; {double}
+broadcast chan c;
+process P() {{
+    clock x;
+    init location A {{ invariant x <= 3; exponential_rate 2; to B {{ sync c!; assign b = !b, n = n % 5 + 1; }} }}
+    location B {{ exponential_rate 1; to A {{ assign x = 0{more}; }} to C {{ assign n = -2; }} }}
+    committed location C {{ to A {{ assign x = 0, n = 4; }} to D {{ probability 1; }} }}
+    location D {{ invariant x <= 0; }}
+}}
+process Q() {{ init location A {{ to B {{ sync c?; }} }} urgent location B {{ to A; }} }}
+signal s = n > 2;
+system P, Q;
+"""
+
+
+@pytest.mark.parametrize("unit", ["", "time_unit = 1 s;", "time_unit = 10 ms;", "time_unit = 1 ns;"])
+@pytest.mark.parametrize("double", [False, True])
+@pytest.mark.parametrize("record", [[], ["n", "P.B"], ["P"]])
+def test_runs_taken_together_have_the_rows_of_each(unit: str, double: bool, record: list[str], tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    path = tmp_path / "m.ta"
+    more, variable = (", d = random(2)", "double d = 0;") if double else ("", "")
+    path.write_text(ROWS.format(unit=unit, double=variable, more=more), encoding="utf-8")
+    network = load_model(str(path), {}, keeps_doubles=True).network
+    runs = Runs(network, columns_for(network, record, ()))
+    drawing = SimulationOptions(4, 9 * TICKS_PER_UNIT)
+    with run_writer(tmp_path / "each.parquet") as each, parquet_of_runs(tmp_path / "together.parquet") as together:
+        for run in runs.draw(drawing, range(200), RecordedChanges(observed=True)):
+            each(run.number, runs.trace(run))
+            together(run, runs)
+    expected, found = (parquet.read_table(tmp_path / f"{name}.parquet") for name in ("each", "together"))
+    assert expected.num_rows > 400
+    assert found.schema == expected.schema
+    assert found.equals(expected)

@@ -50,8 +50,12 @@ def run_files(output: Path, model: Model, chosen: Collection[str], runs: int) ->
     from tachk.meaning.run_view import RunNames
     from tachk.simulation.runs import steps_of
     from tachk.simulation.stepping.run_file import SUFFIX, steps_text
-    from tachk.simulation.tables import RUN, run_writer
+    from tachk.simulation.tables import PARQUET, RUN, parquet_of_runs, run_writer
 
+    if output.suffix.lower() in PARQUET and RUN not in output.name:
+        with parquet_of_runs(output) as write_rows:
+            yield write_rows
+        return
     if not holds_steps(output):
         with run_writer(output) as write:
             yield lambda run, drawn: write(run.number, drawn.trace(run))
