@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import unhurried
 from tachk.base.optional_packages import optional_packages
 from tachk.base.time_units import NANOSECONDS
 from tachk.base.whole_files import whole_file, whole_text
@@ -124,25 +125,31 @@ def parquet_of_runs(path: Path) -> Iterator[Callable[[Simulated, Runs], None]]:
         waiting: list[Simulated] = []
         drawn: Runs | None = None
         rows = 0
+        is_torn = False
 
         def flush() -> None:
-            nonlocal rows
+            nonlocal rows, is_torn
             if drawn is not None and waiting:
                 table = drawn.rows(waiting)
+                is_torn = True
                 waiting.clear()
                 rows = 0
                 add(table)
+                is_torn = False
 
         def write(run: Simulated, runs: Runs) -> None:
             nonlocal drawn, rows
             drawn = runs
+            if rows >= _ROW_GROUP:
+                flush()  # before the run is taken: one that a limit ends here does not count
             waiting.append(run)
             rows += len(run.times)
-            if rows >= _ROW_GROUP:
-                flush()
 
         yield write
-        flush()
+        if is_torn:  # Ctrl-C came while runs were handed on
+            raise KeyboardInterrupt
+        with unhurried():  # these runs count already
+            flush()
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from tachk.simulation.runs import Runs
 from tachk.simulation.statistics import trajectories
 from tachk.simulation.statistics.estimate import estimate
 from tachk.simulation.tables import decimal_time
+from tachk.simulation.tally import Tally
 
 SCHEMAS = Path(__file__).parents[3] / "docs" / "schema"
 MODEL = """
@@ -88,6 +89,14 @@ def test_runs(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> No
         raise OutOfTimeError
 
     monkeypatch.setattr(Runs, "draw", two)
+    monitored = importlib.import_module("tachk.simulation.monitored")
+    evaluated = monitored.evaluated
+
+    def two_evaluated(*arguments: Any) -> Iterator[Any]:
+        yield from islice(evaluated(*arguments), 2)
+        raise OutOfTimeError
+
+    monkeypatch.setattr(monitored, "evaluated", two_evaluated)
     file = tmp_path / "runs.csv"
     asked = ("simulate", model, "--runs", "5", "--monitor", "F[0, 0.5] P.B", "-o", str(file))
     status, output = run(*asked)
@@ -101,7 +110,7 @@ def test_runs(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> No
 
 
 def test_a_run_that_is_not_counted_yet(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tachk.simulation.tally.decimal_time", stopping_after(1, decimal_time, KeyboardInterrupt))
+    monkeypatch.setattr(Tally, "add", stopping_after(1, Tally.add, KeyboardInterrupt))
     status, output = run("simulate", model, "--runs", "3", "--seed", "1")
     assert (status, "1 of 3 runs" in output) == (130, True)
     monkeypatch.setattr("tachk.simulation.tally.decimal_time", stopping_after(0, decimal_time, KeyboardInterrupt))
@@ -128,17 +137,47 @@ def test_runs_are_written_until_one_is_stopped(
     whole = Path("whole") / file
     whole.parent.mkdir()
     assert run("simulate", model, "--runs", "2", "-o", str(whole))[0] == 0
-    # A limit comes where the third run becomes a trace, or is told step by step.
-    writer = "stepping.run_file:steps_text" if ".run" in file else "runs:recording"
-    module, name = writer.split(":")
-    stopped = importlib.import_module(f"tachk.simulation.{module}")
-    monkeypatch.setattr(stopped, name, stopping_after(2, getattr(stopped, name), error))
+    # A limit comes where the third run becomes a trace, or is told step by step. Parquet takes many runs together.
+    if "parquet" in file:
+        drawn = Runs.draw
+
+        def two(*arguments: Any) -> Iterator[Any]:
+            yield from islice(drawn(*arguments), 2)
+            raise error
+
+        monkeypatch.setattr(Runs, "draw", two)
+    else:
+        writer = "stepping.run_file:steps_text" if ".run" in file else "runs:recording"
+        module, name = writer.split(":")
+        stopped = importlib.import_module(f"tachk.simulation.{module}")
+        monkeypatch.setattr(stopped, name, stopping_after(2, getattr(stopped, name), error))
     found, output = run("simulate", model, "--runs", "5", "-o", file)
     assert (found, output.startswith(f"{model}: 2 of 5 runs")) == (status, True)
     assert f"unknown what the other runs do ({reason})" in output
     for each in whole.parent.iterdir():
         assert Path(each.name).read_bytes() == each.read_bytes()
     assert len([*Path().glob("runs*")]) == len([*whole.parent.iterdir()])
+
+
+@pytest.mark.parametrize(("error", "status"), [(OutOfTimeError, 20), (KeyboardInterrupt, 130)])
+def test_runs_that_are_counted_are_in_the_table(
+    error: type[BaseException], status: int, model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A limit comes where the rows of the second run are made, before the third one is taken."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    rows, calls = Runs.rows, iter(range(9))
+
+    def interrupted(*arguments: Any) -> Any:
+        if next(calls) == 1:
+            raise error
+        return rows(*arguments)
+
+    monkeypatch.setattr(Runs, "rows", interrupted)
+    monkeypatch.setattr("tachk.simulation.tables._ROW_GROUP", 1)
+    file = tmp_path / "runs.parquet"
+    found, output = run("simulate", model, "--runs", "5", "-o", str(file))
+    assert (found, output.startswith(f"{model}: 2 of 5 runs")) == (status, True)
+    assert {*parquet.read_table(file)["run"].to_pylist()} == {0, 1}
 
 
 @pytest.mark.parametrize("file", ["runs.csv", "runs.jsonl"])
@@ -172,7 +211,7 @@ def test_damaged_rows_are_not_kept(model: str, monkeypatch: pytest.MonkeyPatch, 
     file = tmp_path / "runs.parquet"
     file.write_text("old")
     status, output = run("simulate", model, "--runs", "3", "-o", str(file))
-    assert (status, "1 of 3 runs" in output) == (130, True)
+    assert (status, "2 of 3 runs" in output) == (130, True)
     assert file.read_text() == "old"
 
 
