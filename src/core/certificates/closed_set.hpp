@@ -3,11 +3,12 @@
 // be in ranked elements, from which each run meets the first goal: successors have smaller ranks or satisfy it, and
 // nothing can stay in one for ever (Wimmer, Herbreteau and van de Pol 2020). If the first goal is empty, that says that
 // the second one is not reached, for nothing has ranks then. If there is no second goal, the initial state has a rank.
-// A state need not be in the set if it lies in sets that no run leaves, of which each part of the goal, and each
-// possible run-time error, misses one (`Traps`). Each state stands for all that permutations of what is interchangeable
-// in the program make of it: the union of these sets is what is closed. The set is a proof only if each permutation
-// maps the program and the goals onto themselves. tachk.meaning.judge.closed_set is the same check in Python, which
-// does without the compiler as well.
+// A state need not be in the set if neither the goal nor a run-time error can follow it: for each disjunct of the goal,
+// and for each process that may have an error, the state lies in a set that no run leaves and in which that disjunct or
+// error does not occur (`Traps`). Processes of the program may be interchangeable. Then each state stands for all
+// states that come from it by exchanging them, and the set of all of these is closed. The set is a proof only if each
+// permutation maps the program and the goals onto themselves. tachk.meaning.judge.closed_set is the same check in
+// Python, which does without the compiler as well.
 #pragma once
 
 #include <algorithm>

@@ -182,7 +182,8 @@ class _Accompanied:
             self.follow(loop)
 
     def at_rest(self) -> Iterator[None]:
-        """The part does nothing any more; ends when nobody has to."""
+        """The part has taken all its steps. Goes on, before each step of another process, until time can pass for
+        ever without one."""
         while not self.may_idle():
             yield
             self.pass_time(self.longest_delay(None))

@@ -10,8 +10,8 @@ not look at the states of the certificate, but at the model:
    time; or from a value of the variable each edge of the network leads to values in the trap,
 3. nowhere in the trap the disjunct is true, or the code of the process is a run-time error.
 
-All else is arbitrary: each synchronisation is possible, and other variables and clocks have whatever value helps. What
-an edge does is told by the reference evaluator, with unknown numbers in the state (`tachk.meaning.judge.leaves`).
+All else is arbitrary: each synchronisation is possible, and other variables and clocks have whatever value helps. The
+reference evaluator, with unknown numbers in the state, says what an edge does (`tachk.meaning.judge.leaves`).
 """
 
 from __future__ import annotations
