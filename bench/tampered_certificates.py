@@ -42,7 +42,8 @@ from tachk.meaning.judge.certificate import (
 )
 from tachk.meaning.judge.transpositions import SymmetryGroup, group_element
 from tachk.meaning.judge.trap import FOR_EVER, Trap
-from tachk.meaning.symbolic import elapse, fire, initial_situation, intersections, situation, where
+from tachk.meaning.symbolic import Situation, elapse, fire, initial_situation, intersections, situation, where
+from tachk.model.expressions import Expression
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.random_networks import Shape, random_case
@@ -362,10 +363,8 @@ def _is_closed(network: Network, query: Query, certificate: CertificateReader) -
     if not contains(here.discrete, start):
         return False
     for discrete, held in zones.items():
-        here = situation(model, discrete)
-        inside = [] if here.invariant is None else intersections(held, [here.invariant])
-        bad = [*where(model, here, query.target), *(zone for fault in here.faults for zone in fault.domain)]
-        if intersections(bad, inside):
+        here, inside, is_bad = _looked_up(model, query.target, discrete, held)
+        if is_bad:
             return False
         for move in here.moves:
             reached = fire(here, inside, move)
@@ -379,15 +378,23 @@ def _is_closed(network: Network, query: Query, certificate: CertificateReader) -
     return not _is_met_later(model, query, left_out)
 
 
+def _looked_up(
+    model: PreparedNetwork, target: Expression, discrete: DiscreteState, held: dbm.Federation
+) -> tuple[Situation, dbm.Federation, bool]:
+    """A discrete state, the part of its zones within the invariants, and whether the target or an error is in it."""
+    here = situation(model, discrete)
+    inside = [] if here.invariant is None else intersections(held, [here.invariant])
+    bad = [*where(model, here, target), *(zone for fault in here.faults for zone in fault.domain)]
+    return here, inside, bool(intersections(bad, inside))
+
+
 def _is_met_later(model: PreparedNetwork, query: Query, pending: list[tuple[DiscreteState, dbm.Federation]]) -> bool:
     """Whether a short search from symbolic states finds what the query asks for, or a run-time error."""
     assert query.target is not None
     seen: dict[DiscreteState, list[Zone]] = defaultdict(list)
     for discrete, held in islice(iter(lambda: pending.pop(0) if pending else None, None), _LEFT_OUT):
-        here = situation(model, discrete)
-        inside = [] if here.invariant is None else intersections(held, [here.invariant])
-        bad = [*where(model, here, query.target), *(zone for fault in here.faults for zone in fault.domain)]
-        if intersections(bad, inside):
+        here, inside, is_bad = _looked_up(model, query.target, discrete, held)
+        if is_bad:
             return True
         for move in here.moves:
             moved = fire(here, inside, move)

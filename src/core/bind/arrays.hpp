@@ -20,4 +20,13 @@ nanobind::object as_array(std::vector<T>&& values) {
   return nanobind::ndarray<nanobind::numpy, T, nanobind::ndim<1>>(data, {size}, owner).cast();
 }
 
+// A number of each item, as an array: a million runs are not a million objects.
+template <class T, class Item, class Field>
+nanobind::object column_of(const std::vector<Item>& items, Field field) {
+  std::vector<T> values;
+  values.reserve(items.size());
+  for (const Item& item : items) values.push_back(static_cast<T>(field(item)));
+  return as_array(std::move(values));
+}
+
 }  // namespace tachk::bind

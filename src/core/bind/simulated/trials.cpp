@@ -21,16 +21,12 @@ using simulation::Trial;
 
 namespace {
 
-// One array for each field, so that a million runs are not a million objects.
 struct Trials {
   std::vector<Trial> trials;
 
   template <class T, class Field>
   nb::object column(Field field) const {
-    std::vector<T> values;
-    values.reserve(trials.size());
-    for (const Trial& trial : trials) values.push_back(static_cast<T>(field(trial)));
-    return as_array(std::move(values));
+    return column_of<T>(trials, field);
   }
 };
 
