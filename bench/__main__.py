@@ -41,15 +41,15 @@ from bench.side_by_side import (
     TARZAN_SETTINGS,
     TCHECKER_SETTINGS,
     Contest,
-    Limits,
     Program,
+    ResourceLimits,
     Row,
     compared,
     disagreement,
     lines,
     stored,
 )
-from bench.stored_runs import Run
+from bench.stored_runs import StoredRun
 
 
 def machine() -> str:
@@ -100,7 +100,7 @@ def run(given: argparse.Namespace) -> int:
     wrong: list[str] = []
     commit = described_commit()
     exported = bool(given.tck_reach or given.tarzan)
-    limits = Limits(given.seconds, int(given.memory * 1e9) if given.memory else None)
+    limits = ResourceLimits(given.seconds, int(given.memory * 1e9) if given.memory else None)
     for name, sizes in families(given.only, given.sizes, theirs=given.tchecker_examples is not None):
         contest = Contest(name, given.repeat, limits)
         smaller: dict[str, Row] = {}
@@ -120,7 +120,7 @@ def run(given: argparse.Namespace) -> int:
                 break
         if given.output is not None:
             now = datetime.now().isoformat(timespec="minutes")
-            done = Run(now, machine(), commit, given.seconds, given.memory, given.repeat, tuple(rows))
+            done = StoredRun(now, machine(), commit, given.seconds, given.memory, given.repeat, tuple(rows))
             stored_runs.write(done, given.output)
     for told in wrong:
         print(f"answers differ: {told}")

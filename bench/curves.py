@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from bench.side_by_side import FAILED
-from bench.stored_runs import Run
+from bench.stored_runs import StoredRun
 
 COLOURS = {"tachk": "#1f5fbf", "TChecker": "#c4630a", "TARZAN": "#2b8a5a"}
 COLUMNS, WIDTH, HEIGHT = 4, 210, 150
@@ -16,7 +16,7 @@ APART = 18
 LOW, TICKS = 0.004, (0.01, 0.1, 1, 10)
 
 
-def drawn(run: Run, families: Sequence[str]) -> str:
+def drawn(run: StoredRun, families: Sequence[str]) -> str:
     """The charts of some families in rows. A hollow mark is a run that did not finish: it took at least so long."""
     rows = math.ceil(len(families) / COLUMNS)
     width, height = COLUMNS * WIDTH, LEGEND + rows * HEIGHT
@@ -47,7 +47,7 @@ def _legend(programs: Sequence[str]) -> Iterator[str]:
     yield _text(x + 110, 16.5, "CPU seconds over size, both logarithmic")
 
 
-def _chart(run: Run, family: str) -> Iterator[str]:
+def _chart(run: StoredRun, family: str) -> Iterator[str]:
     sizes = run.sizes(family)
     shift = 1 if sizes[0] < 1 else 0
     low, high = math.log(sizes[0] + shift), math.log(sizes[-1] + shift)

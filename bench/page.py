@@ -9,7 +9,7 @@ from pathlib import Path
 from bench.curves import drawn
 from bench.families import GROUPS
 from bench.side_by_side import FAILED, GIVEN_UP, ONCE, OUT_OF_MEMORY, OUT_OF_TIME, Row
-from bench.stored_runs import NOTICED, Run, best_peer, growth, is_won, losses, per_state, undecided, wins_from
+from bench.stored_runs import NOTICED, StoredRun, best_peer, growth, is_won, losses, per_state, undecided, wins_from
 
 PEERS = ("TChecker", "TARZAN")
 
@@ -19,22 +19,22 @@ def picture_name(title: str) -> str:
     return f"families_{words[0] if words[0] != 'models' else 'own'}.svg"
 
 
-def pictures(run: Run) -> dict[str, str]:
+def pictures(run: StoredRun) -> dict[str, str]:
     """The curves of each group: file names and SVG."""
     return {picture_name(title): drawn(run, _varied(run, group)) for title, group in _measured(run).items()}
 
 
-def _measured(run: Run) -> dict[str, list[str]]:
+def _measured(run: StoredRun) -> dict[str, list[str]]:
     """The groups with their families, as far as the run has them."""
     found = {title: [family for family in group if run.sizes(family)] for title, group in GROUPS.items()}
     return {title: families for title, families in found.items() if families}
 
 
-def _varied(run: Run, families: Sequence[str]) -> list[str]:
+def _varied(run: StoredRun, families: Sequence[str]) -> list[str]:
     return [family for family in families if len(run.sizes(family)) > 1]
 
 
-def blocks(run: Run) -> dict[str, str]:
+def blocks(run: StoredRun) -> dict[str, str]:
     """By name what stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->`."""
     return {"families": "\n".join(_overview(run)), "sizes": "\n".join(_all_sizes(run))}
 
@@ -48,13 +48,13 @@ def replaced(text: str, new: dict[str, str]) -> str:
     return text
 
 
-def write(run: Run, path: Path) -> None:
+def write(run: StoredRun, path: Path) -> None:
     path.write_text(replaced(path.read_text(encoding="utf-8"), blocks(run)), encoding="utf-8")
     for name, svg in pictures(run).items():
         (path.parent / "images" / name).write_text(svg, encoding="utf-8")
 
 
-def _overview(run: Run) -> Iterator[str]:
+def _overview(run: StoredRun) -> Iterator[str]:
     measured = [family for group in _measured(run).values() for family in group]
     cap = f"{run.seconds:g} s of CPU time" + (f" and {run.gigabytes:g} GB of address space" if run.gigabytes else "")
     yield f"Measured on {run.date[:10]} at commit {run.commit}, on an {run.machine}: {', '.join(run.names())}."
@@ -70,7 +70,7 @@ def _overview(run: Run) -> Iterator[str]:
     yield from _growth(run, measured)
 
 
-def _all_sizes(run: Run) -> Iterator[str]:
+def _all_sizes(run: StoredRun) -> Iterator[str]:
     yield "`>` stands before the CPU time at which a run was ended, `memory` where it wanted too much, and `error`"
     yield "where it ended without an answer: TChecker asks for much memory at once."
     for title, group in _measured(run).items():
@@ -78,7 +78,7 @@ def _all_sizes(run: Run) -> Iterator[str]:
         yield from _instances(run, group)
 
 
-def _summary(run: Run, families: Sequence[str]) -> Iterator[str]:
+def _summary(run: StoredRun, families: Sequence[str]) -> Iterator[str]:
     yield "| family | sizes | tachk wins from | tachk up to | TChecker up to | TARZAN up to | largest that two decide |"
     yield "|---|---|---|---|---|---|---|"
     for family in families:
@@ -90,7 +90,7 @@ def _summary(run: Run, families: Sequence[str]) -> Iterator[str]:
         yield "| " + " | ".join(str(cell) for cell in cells) + " |"
 
 
-def _largest(run: Run, family: str, program: str) -> str:
+def _largest(run: StoredRun, family: str, program: str) -> str:
     """The largest size that a program decides."""
     curve = run.curve(family, program)
     if not curve:
@@ -99,7 +99,7 @@ def _largest(run: Run, family: str, program: str) -> str:
     return f"{done[-1]}" if done else "none"
 
 
-def _at_largest(run: Run, family: str) -> str:
+def _at_largest(run: StoredRun, family: str) -> str:
     """The CPU times where both tachk and another program decide."""
     for size in reversed(run.sizes(family)):
         rows = run.of(family, size)
@@ -109,7 +109,7 @@ def _at_largest(run: Run, family: str) -> str:
     return ""
 
 
-def _losses(run: Run, families: Sequence[str]) -> Iterator[str]:
+def _losses(run: StoredRun, families: Sequence[str]) -> Iterator[str]:
     if open_rows := undecided(run, families):
         told = ", ".join(f"{row.family} {row.size} ({row.answer})" for row in open_rows)
         yield f"tachk does not decide {told}."
@@ -127,7 +127,7 @@ def _losses(run: Run, families: Sequence[str]) -> Iterator[str]:
         yield "| " + " | ".join(str(cell) for cell in cells) + " |"
 
 
-def _growth(run: Run, families: Sequence[str]) -> Iterator[str]:
+def _growth(run: StoredRun, families: Sequence[str]) -> Iterator[str]:
     yield "CPU microseconds of the whole process a stored state: at the largest size, and at the size whose number of"
     yield "states is nearest to a tenth."
     yield from ("", "| family | size | stored | CPU µs / stored | smaller | stored | CPU µs / stored | factor |")
@@ -146,7 +146,7 @@ def _micro(row: Row) -> str:
     return f"{1e6 * per_state(row):,.0f}"
 
 
-def _instances(run: Run, families: Sequence[str]) -> Iterator[str]:
+def _instances(run: StoredRun, families: Sequence[str]) -> Iterator[str]:
     heads = ["family", "size", "answer", "tachk s", "MB", "states", "TChecker s", "MB", "states", "algorithm"]
     heads += ["TARZAN s", "MB", "regions", "best other / tachk"]
     yield "| " + " | ".join(heads) + " |"

@@ -49,7 +49,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ResourceLimits:
     """What a run may take: CPU seconds, and bytes of address space; `whole` if no run may take more."""
 
     seconds: float
@@ -97,7 +97,7 @@ class Contest:
 
     family: str
     repeat: int
-    limits: Limits
+    limits: ResourceLimits
     settings: dict[str, tuple[str, ...]] = field(default_factory=dict)
     ended: set[str] = field(default_factory=set)
 
@@ -112,7 +112,7 @@ class Contest:
                 ours = next((row.cpu_seconds for row in rows if row.finished), self.limits.seconds)
                 seconds = min(self.limits.seconds, max(AT_LEAST, PATIENCE * ours))
                 whole = seconds >= self.limits.seconds
-                row = self._other(size, instance, program, Limits(seconds, self.limits.memory, whole))
+                row = self._other(size, instance, program, ResourceLimits(seconds, self.limits.memory, whole))
             else:
                 row = _repeated(partial(_by_tachk, self.family, size, instance, program, self.limits), self.repeat)
             if row is not None:
@@ -121,7 +121,7 @@ class Contest:
                     self.ended.add(program.name)
         return rows
 
-    def _other(self, size: int, instance: Instance, program: Program, limits: Limits) -> Row | None:
+    def _other(self, size: int, instance: Instance, program: Program, limits: ResourceLimits) -> Row | None:
         ask = _by_tarzan if program.settings == TARZAN_SETTINGS else _by_tchecker
         best = limits
         rows: list[Row] = []
@@ -131,7 +131,7 @@ class Contest:
                 continue
             rows.append(row)
             if row.finished:
-                best = Limits(min(best.seconds, max(1.0, 5 * row.cpu_seconds)), limits.memory, whole=False)
+                best = ResourceLimits(min(best.seconds, max(1.0, 5 * row.cpu_seconds)), limits.memory, whole=False)
         done = sorted((row for row in rows if row.finished), key=lambda row: row.cpu_seconds)
         if not rows and program.name in self.settings:  # it had words for smaller sizes
             setting = self.settings[program.name][0]
@@ -154,7 +154,7 @@ def _repeated(run: Callable[[], Row | None], repeat: int, first: Row | None = No
     return next(row for row in rows if row.cpu_seconds == middle)
 
 
-def _by_tachk(family: str, size: int, instance: Instance, program: Program, limits: Limits) -> Row | None:
+def _by_tachk(family: str, size: int, instance: Instance, program: Program, limits: ResourceLimits) -> Row | None:
     command = tachk("verify", *instance.ours, "--format", "json", "--trace", "none", *program.options)
     try:
         process = finished(command, program.source, range(256), limits.seconds, limits.memory, told=False)
@@ -182,7 +182,7 @@ def _by_tachk(family: str, size: int, instance: Instance, program: Program, limi
 
 
 def _by_tchecker(
-    family: str, size: int, instance: Instance, program: Program, setting: str, limits: Limits
+    family: str, size: int, instance: Instance, program: Program, setting: str, limits: ResourceLimits
 ) -> Row | None:
     if instance.network is None:
         return None
@@ -205,7 +205,7 @@ def _by_tchecker(
 
 
 def _by_tarzan(
-    family: str, size: int, instance: Instance, program: Program, setting: str, limits: Limits
+    family: str, size: int, instance: Instance, program: Program, setting: str, limits: ResourceLimits
 ) -> Row | None:
     if instance.regions is None:
         return None
@@ -228,7 +228,7 @@ def _unfinished(family: str, size: int, program: str, setting: str, answer: str,
     return Row(family, size, program, setting, answer, 0, 0, 0, spent.cpu_seconds, 0.0, spent.memory_bytes, 0)
 
 
-def _why(spent: Stopped, limits: Limits) -> str:
+def _why(spent: Stopped, limits: ResourceLimits) -> str:
     if isinstance(spent, OutOfMemory):
         return OUT_OF_MEMORY
     return OUT_OF_TIME if limits.whole else GIVEN_UP

@@ -15,7 +15,7 @@ NOTICED = 0.3
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class StoredRun:
     """A run of `python -m bench run` as its option --output has written it."""
 
     date: str
@@ -42,16 +42,16 @@ class Run:
         return list(dict.fromkeys(row.program for row in self.rows))
 
 
-def read(path: Path) -> Run:
+def read(path: Path) -> StoredRun:
     told = json.loads(path.read_text(encoding="utf-8"))
     rows = tuple(Row(**dict(zip(told["columns"], row, strict=True))) for row in told.pop("rows"))
     del told["columns"]
-    return Run(**told, rows=rows)
+    return StoredRun(**told, rows=rows)
 
 
-def write(run: Run, path: Path) -> None:
+def write(run: StoredRun, path: Path) -> None:
     """As JSON, a row a line, with CPU seconds to a thousandth."""
-    head = {field.name: getattr(run, field.name) for field in fields(Run) if field.name != "rows"}
+    head = {field.name: getattr(run, field.name) for field in fields(StoredRun) if field.name != "rows"}
     columns = [field.name for field in fields(Row)]
     values = [[getattr(row, column) for column in columns] for row in run.rows]
     lines = [json.dumps([round(value, 3) if isinstance(value, float) else value for value in row]) for row in values]
@@ -72,7 +72,7 @@ def is_won(rows: dict[str, Row]) -> bool:
     return ours is not None and ours.finished and (best is None or ours.cpu_seconds <= best.cpu_seconds)
 
 
-def wins_from(run: Run, family: str) -> int | None:
+def wins_from(run: StoredRun, family: str) -> int | None:
     """The smallest size from which on tachk wins; None if it does not win the largest one."""
     first = None
     for size in reversed(run.sizes(family)):
@@ -100,13 +100,13 @@ class Loss:
         return self.ours.cpu_seconds / max(self.best.cpu_seconds, 0.001) if self.ours.finished else math.inf
 
 
-def undecided(run: Run, families: Sequence[str]) -> list[Row]:
+def undecided(run: StoredRun, families: Sequence[str]) -> list[Row]:
     """The rows in which tachk has not finished."""
     rows = (row for family in families for _, row in run.curve(family, "tachk"))
     return [row for row in rows if not row.finished]
 
 
-def losses(run: Run, families: Sequence[str]) -> list[Loss]:
+def losses(run: StoredRun, families: Sequence[str]) -> list[Loss]:
     """Those in which tachk takes more than NOTICED seconds."""
     found = []
     for family in families:
@@ -137,7 +137,7 @@ def per_state(row: Row) -> float:
     return row.cpu_seconds / row.stored
 
 
-def growth(run: Run, family: str) -> Growth | None:
+def growth(run: StoredRun, family: str) -> Growth | None:
     """None where no smaller size is measured."""
     done = [row for _, row in run.curve(family, "tachk") if row.finished and row.stored]
     if len(done) < 2:

@@ -412,12 +412,12 @@ class RunQuestion:
     largest: bool
     def __init__(self) -> None: ...
 
-class Rows(Enum):
+class RecordedRows(Enum):
     NONE = ...
     VIOLATING = ...
     ALL = ...
 
-class RunFormula:
+class MonitoredFormula:
     def __init__(self, program: object, columns: Sequence[tuple[int, bool, Sequence[float]]], factor: int) -> None: ...
 
 class MonitoredRuns:
@@ -429,9 +429,9 @@ class MonitoredRuns:
 
 def monitored_runs(
     simulation: Simulation,
-    formulas: Sequence[RunFormula],
+    formulas: Sequence[MonitoredFormula],
     *,
-    rows: Rows,
+    rows: RecordedRows,
     until_decided: bool,
     policy: Policy,
     seed: int,

@@ -17,8 +17,8 @@ sys.path.append(str(ROOT))
 
 from bench.families import Instance  # noqa: E402
 from bench.page import blocks, pictures, replaced  # noqa: E402
-from bench.side_by_side import Contest, Limits, Program, Row  # noqa: E402
-from bench.stored_runs import Run, growth, losses, read, wins_from, write  # noqa: E402
+from bench.side_by_side import Contest, Program, ResourceLimits, Row  # noqa: E402
+from bench.stored_runs import StoredRun, growth, losses, read, wins_from, write  # noqa: E402
 
 PAGE = ROOT / "docs" / "performance.md"
 STORED = ROOT / "bench" / "results" / "families.json"
@@ -28,8 +28,8 @@ def row(program: str, size: int, seconds: float, stored: int = 10, answer: str =
     return Row("fischer", size, program, "", answer, stored, stored, stored, seconds, 0.0, 10**7, 0)
 
 
-def run(*rows: Row) -> Run:
-    return Run("2026-01-01T00:00", "a machine", "abc", 60, 3.0, 3, rows)
+def run(*rows: Row) -> StoredRun:
+    return StoredRun("2026-01-01T00:00", "a machine", "abc", 60, 3.0, 3, rows)
 
 
 def test_the_page_and_its_curves_are_what_the_stored_run_gives() -> None:
@@ -80,14 +80,14 @@ def test_a_run_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_who_did_not_finish_a_size_is_not_asked_about_larger_ones() -> None:
-    contest = Contest("fischer", 1, Limits(60))
+    contest = Contest("fischer", 1, ResourceLimits(60))
     contest.ended.add("TARZAN")
     program = Program("TARZAN", executable="none", settings=("dfs", "bfs"))
     assert contest.measure(4, Instance(()), [program]) == []
 
 
 def test_who_was_ended_has_another_try_where_tachk_decides_nothing(tmp_path: Path) -> None:
-    contest = Contest("fischer", 1, Limits(60), settings={"TChecker": ("covreach bfs",)}, ended={"TChecker"})
+    contest = Contest("fischer", 1, ResourceLimits(60), settings={"TChecker": ("covreach bfs",)}, ended={"TChecker"})
     programs = [Program("tachk", source=tmp_path), Program("TChecker", executable="true", settings=("covreach bfs",))]
     (tmp_path / "tachk").mkdir()
     (tmp_path / "tachk" / "__main__.py").write_text("", encoding="utf-8")
@@ -96,7 +96,7 @@ def test_who_was_ended_has_another_try_where_tachk_decides_nothing(tmp_path: Pat
 
 
 def test_who_had_words_for_a_smaller_size_and_gives_no_answer_has_failed(tmp_path: Path) -> None:
-    contest = Contest("fischer", 1, Limits(60), settings={"TChecker": ("covreach bfs",)})
+    contest = Contest("fischer", 1, ResourceLimits(60), settings={"TChecker": ("covreach bfs",)})
     program = Program("TChecker", executable="true", settings=("covreach bfs", "reach bfs"))
     (failed,) = contest.measure(4, Instance((), network=tmp_path), [program])
     assert not failed.finished and failed.answer == "ended with an error" and contest.ended == {"TChecker"}

@@ -72,11 +72,11 @@ std::vector<reachability::pruning::Trap> traps_of_search(const std::vector<Given
 // Values that a slot never has are left out.
 certificates::Traps traps_of_checker(const program::Program& program, const std::vector<GivenTrap>& given,
                                      const Clauses& clauses) {
-  std::vector<certificates::Trap> traps;
+  std::vector<certificates::IndexedTrap> traps;
   for (const auto& [slot, clock, outside] : given) {
     if (slot >= program.state_slots || clock > program.clocks) throw std::invalid_argument("a trap that cannot be");
     const std::int32_t low = program.slots[slot].low, high = program.slots[slot].high;
-    certificates::Trap& trap = traps.emplace_back(certificates::Trap{slot, low, {}});
+    certificates::IndexedTrap& trap = traps.emplace_back(certificates::IndexedTrap{slot, low, {}});
     trap.outside.resize(static_cast<std::size_t>(std::int64_t{high} - low + 1));
     for (const auto& [value, first, last] : outside) {
       if (value < low || value > high) continue;

@@ -13,7 +13,7 @@ namespace tachk::certificates {
 
 // Outside of it are the states in which a slot has one of some values and the clocks satisfy one of the constraints
 // that are listed for this value.
-struct Trap {
+struct IndexedTrap {
   std::uint32_t slot;
   std::int32_t low;                               // the lowest value of the slot
   std::vector<std::vector<Constraints>> outside;  // of each value from that one on
@@ -25,7 +25,7 @@ class Traps final {
   using Clause = std::vector<std::size_t>;
   using Slots = std::vector<std::int32_t>;
 
-  Traps(std::vector<Trap> traps, std::vector<Clause> clauses)
+  Traps(std::vector<IndexedTrap> traps, std::vector<Clause> clauses)
       : traps_(std::move(traps)), clauses_(std::move(clauses)) {}
 
   bool none() const { return clauses_.empty(); }
@@ -42,7 +42,7 @@ class Traps final {
   // True if a zone has a state outside of all traps of a clause from a place on.
   bool leaves(const Slots& slots, const Zone& zone, const Clause& clause, std::size_t place) const {
     if (place == clause.size()) return true;
-    const Trap& trap = traps_[clause[place]];
+    const IndexedTrap& trap = traps_[clause[place]];
     const auto& parts = trap.outside[static_cast<std::size_t>(std::int64_t{slots[trap.slot]} - trap.low)];
     return std::any_of(parts.begin(), parts.end(), [&](const Constraints& part) {
       const Zone outside = zone.within(part);
@@ -50,7 +50,7 @@ class Traps final {
     });
   }
 
-  std::vector<Trap> traps_;
+  std::vector<IndexedTrap> traps_;
   std::vector<Clause> clauses_;
 };
 

@@ -17,14 +17,14 @@ namespace {
 
 constexpr std::size_t first_update = 32;  // rows; the next updates come when these have doubled
 
-class Observer {
+class FormulaObserver {
  public:
-  Observer(const Simulation& simulation, const std::vector<RunFormula>& formulas, const RunRequest& request, Rows rows,
-           bool until_decided)
+  FormulaObserver(const Simulation& simulation, const std::vector<MonitoredFormula>& formulas,
+                  const RunRequest& request, RecordedRows rows, bool until_decided)
       : rows_(rows),
         width_(simulation.chances().observed.size()),
         recorder_(simulation, request, until_decided ? enough() : simulation::RunRecorder::Enough()) {
-    for (const RunFormula& formula : formulas) monitors_.push_back(std::make_unique<RunMonitor>(formula, width_));
+    for (const MonitoredFormula& formula : formulas) monitors_.push_back(std::make_unique<RunMonitor>(formula, width_));
   }
 
   void run(std::uint64_t number, MonitoredRun& result) {
@@ -36,7 +36,7 @@ class Observer {
       result.truths.push_back(monitor->finish(record_));
       violated = violated || result.truths.back() == Decision::no;
     }
-    if (rows_ == Rows::all || (rows_ == Rows::violating && violated)) {
+    if (rows_ == RecordedRows::all || (rows_ == RecordedRows::violating && violated)) {
       result.record = std::move(record_);
       record_ = {};
     } else {
@@ -65,7 +65,7 @@ class Observer {
     out.observed.assign(record_.observed.end() - static_cast<std::ptrdiff_t>(width_), record_.observed.end());
   }
 
-  Rows rows_;
+  RecordedRows rows_;
   std::size_t width_;
   std::size_t next_update_ = first_update;
   std::vector<std::unique_ptr<RunMonitor>> monitors_;
@@ -75,12 +75,12 @@ class Observer {
 
 }  // namespace
 
-std::vector<MonitoredRun> monitored_runs(const Simulation& simulation, const std::vector<RunFormula>& formulas,
-                                         RunRequest request, Rows rows, bool until_decided) {
+std::vector<MonitoredRun> monitored_runs(const Simulation& simulation, const std::vector<MonitoredFormula>& formulas,
+                                         RunRequest request, RecordedRows rows, bool until_decided) {
   request.recording.observed = true;
   std::vector<MonitoredRun> result(request.runs);
   simulation::share_work(request.threads, request.runs, request.poll, [&] {
-    return [&, observer = std::make_unique<Observer>(simulation, formulas, request, rows, until_decided)](
+    return [&, observer = std::make_unique<FormulaObserver>(simulation, formulas, request, rows, until_decided)](
                std::uint64_t n) { observer->run(request.first + n, result[n]); };
   });
   return result;

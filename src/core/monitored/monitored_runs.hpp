@@ -10,7 +10,7 @@
 namespace tachk::monitored {
 
 // The runs of which all rows stay.
-enum class Rows : std::int8_t {
+enum class RecordedRows : std::int8_t {
   none,       // of every run the last row, if there is one
   violating,  // and all of the runs on which a formula is false
   all,
@@ -25,7 +25,7 @@ struct MonitoredRun {
 // throws, and std::invalid_argument for formulas that do not fit.
 // `until_decided`: a run ends soon after every formula is decided, and its last row is the one that it has come to.
 std::vector<MonitoredRun> monitored_runs(const simulation::Simulation& simulation,
-                                         const std::vector<RunFormula>& formulas, simulation::RunRequest request,
-                                         Rows rows, bool until_decided);
+                                         const std::vector<MonitoredFormula>& formulas, simulation::RunRequest request,
+                                         RecordedRows rows, bool until_decided);
 
 }  // namespace tachk::monitored

@@ -10,7 +10,7 @@ namespace tachk::monitored {
 
 using simulation::RunRecord;
 
-RunMonitor::RunMonitor(const RunFormula& formula, std::size_t observed)
+RunMonitor::RunMonitor(const MonitoredFormula& formula, std::size_t observed)
     : formula_(formula),
       observed_(observed),
       monitor_(formula.program, {.lasting = false}),

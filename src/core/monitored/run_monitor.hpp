@@ -23,7 +23,7 @@ struct ObservedColumn {
   std::vector<double> values = {};  // of the numbers 0, 1, ...; empty: the numbers themselves
 };
 
-struct RunFormula {
+struct MonitoredFormula {
   monitoring::MonitorProgram program;
   std::vector<ObservedColumn> columns;  // of the program, in its order
   std::int64_t factor = 1;              // ticks of the program in one of the simulation
@@ -34,7 +34,7 @@ struct RunFormula {
 class RunMonitor {
  public:
   // Throws std::invalid_argument for a program that is not valid, or that observes what is not there.
-  RunMonitor(const RunFormula& formula, std::size_t observed);
+  RunMonitor(const MonitoredFormula& formula, std::size_t observed);
 
   // Forgets the run.
   void restart();
@@ -49,7 +49,7 @@ class RunMonitor {
   monitoring::Samples samples(const simulation::RunRecord& record, std::size_t first, std::size_t count);
   bool certainly_false(const simulation::RunRecord& record);
 
-  const RunFormula& formula_;
+  const MonitoredFormula& formula_;
   std::size_t observed_;
   Offline monitor_;
   std::size_t seen_ = 0;  // rows

@@ -8,7 +8,13 @@ from fractions import Fraction
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.base.records import dataclass
-from tachk.engine.simulation.simulator import RecordedChanges, Rows, RunFormula, Simulated, SimulationOptions
+from tachk.engine.simulation.simulator import (
+    MonitoredFormula,
+    RecordedChanges,
+    RecordedRows,
+    Simulated,
+    SimulationOptions,
+)
 from tachk.recordings.monitors.conditions import condition_columns
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.monitors.offline import prepare, resolved_on
@@ -37,7 +43,7 @@ class ObservedColumn:
 
 def monitored_formula(
     program: MonitorProgram, columns: Sequence[ObservedColumn], drawing: SimulationOptions
-) -> RunFormula:
+) -> MonitoredFormula:
     """A formula on runs that are drawn, whose ticks are whole in each tick of the runs.
 
     Args:
@@ -52,7 +58,7 @@ def monitored_formula(
             f"runs are too long to be counted in {program.ticks_per_unit} ticks per unit of time",
             "bounds with fewer decimals, or shorter runs, can be counted",
         )
-    return RunFormula(program, [(each.number, each.floating, []) for each in columns], int(factor))
+    return MonitoredFormula(program, [(each.number, each.floating, []) for each in columns], int(factor))
 
 
 def evaluated(
@@ -61,7 +67,7 @@ def evaluated(
     drawing: SimulationOptions,
     numbers: range,
     recorded: RecordedChanges,
-    rows: Rows,
+    rows: RecordedRows,
 ) -> Iterator[tuple[Simulated, Mapping[str, Truth]]]:
     """Runs, and the verdict of each formula on them; none on a run without a state. Raises StoppedError between them.
 
@@ -85,7 +91,9 @@ def evaluated(
             yield run, found if len(run.times) else {}
 
 
-def _in_core(runs: Runs, formulas: tuple[NamedFormula, ...], drawing: SimulationOptions) -> list[RunFormula] | None:
+def _in_core(
+    runs: Runs, formulas: tuple[NamedFormula, ...], drawing: SimulationOptions
+) -> list[MonitoredFormula] | None:
     """The formulas as the core evaluates them on runs; None if only a recorded trace tells what they mean."""
     # Whatever the values are, the columns and the times of all runs are like these.
     known = [[0] * len(runs.columns)] * 2
@@ -105,7 +113,7 @@ def _in_core(runs: Runs, formulas: tuple[NamedFormula, ...], drawing: Simulation
         numbers = [name for name in condition_columns(program) if trace.columns[name].dtype.kind != "u"]
         if read_anew or numbers or factor.denominator != 1 or not columns.keys() >= {*program.columns}:
             return None
-    return [RunFormula(program, [columns[name] for name in program.columns], int(factor)) for program in programs]
+    return [MonitoredFormula(program, [columns[name] for name in program.columns], int(factor)) for program in programs]
 
 
 def _columns_of(runs: Runs, trace: Trace) -> dict[str, tuple[int, bool, list[float]]]:

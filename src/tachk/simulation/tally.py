@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 
 from tachk.base.job import StoppedError
 from tachk.engine.outcome import INTERRUPTED
-from tachk.engine.simulation.simulator import RecordedChanges, Rows, Simulated, SimulationEnding, SimulationOptions
+from tachk.engine.simulation.simulator import (
+    RecordedChanges,
+    RecordedRows,
+    Simulated,
+    SimulationEnding,
+    SimulationOptions,
+)
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.intervals import clopper_pearson
 from tachk.simulation.runs import Runs
@@ -96,7 +102,9 @@ def drawn_runs(
         return
     from tachk.simulation.monitored import evaluated  # monitors, where there is a formula
 
-    yield from evaluated(runs, formulas, drawing, numbers, recorded, Rows.ALL if all_rows else Rows.VIOLATING)
+    yield from evaluated(
+        runs, formulas, drawing, numbers, recorded, RecordedRows.ALL if all_rows else RecordedRows.VIOLATING
+    )
 
 
 def take_until_stopped(drawn: Iterator[EvaluatedRun], take: Callable[[EvaluatedRun], None], tally: Tally) -> None:

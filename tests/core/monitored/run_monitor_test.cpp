@@ -17,8 +17,8 @@ using tachk::simulation::RunRecord;
 constexpr std::int64_t factor = 2;
 
 // Quarters as their numbers, what is true as texts that stand for it.
-RunFormula formula_of(MonitorProgram program) {
-  RunFormula formula{std::move(program), {}, factor};
+MonitoredFormula formula_of(MonitorProgram program) {
+  MonitoredFormula formula{std::move(program), {}, factor};
   formula.columns.push_back({2, false, {1, 0}});
   for (std::size_t column = 1; column < columns; ++column)
     formula.columns.push_back({column - 1, false, {0, 0.25, 0.5, 0.75, 1}});
@@ -74,7 +74,7 @@ void test_random_formulas() {
   int counts[3] = {0, 0, 0};
   int settled = 0;
   for (int round = 0; round < 3000; ++round) {
-    const RunFormula formula = formula_of(random_program(random));
+    const MonitoredFormula formula = formula_of(random_program(random));
     RunMonitor monitor(formula, columns);
     for (int turn = 0; turn < 3; ++turn) {
       const Trace trace = random_trace(random, 1 + below(random, 12));

@@ -18,9 +18,9 @@
 namespace tachk::bind {
 
 namespace nb = nanobind;
+using monitored::MonitoredFormula;
 using monitored::MonitoredRun;
-using monitored::Rows;
-using monitored::RunFormula;
+using monitored::RecordedRows;
 
 namespace {
 
@@ -29,24 +29,18 @@ struct MonitoredRuns {
 
   template <class T, class Field>
   nb::object column(Field field) const {
-    std::vector<T> values;
-    values.reserve(runs.size());
-    for (const MonitoredRun& run : runs) values.push_back(static_cast<T>(field(run.record)));
-    return as_array(std::move(values));
+    return column_of<T>(runs, [&](const MonitoredRun& run) { return field(run.record); });
   }
 
   nb::object truths(std::size_t formula) const {
-    std::vector<std::int8_t> values;
-    values.reserve(runs.size());
-    for (const MonitoredRun& run : runs) values.push_back(static_cast<std::int8_t>(run.truths.at(formula)));
-    return as_array(std::move(values));
+    return column_of<std::int8_t>(runs, [&](const MonitoredRun& run) { return run.truths.at(formula); });
   }
 };
 
 using ColumnTuple = std::tuple<std::size_t, bool, std::vector<double>>;
 
-RunFormula read_formula(nb::handle program, const std::vector<ColumnTuple>& columns, std::int64_t factor) {
-  RunFormula result{monitor_program_from(program), {}, factor};
+MonitoredFormula read_formula(nb::handle program, const std::vector<ColumnTuple>& columns, std::int64_t factor) {
+  MonitoredFormula result{monitor_program_from(program), {}, factor};
   for (const auto& [number, floating, values] : columns) result.columns.push_back({number, floating, values});
   return result;
 }
@@ -54,11 +48,11 @@ RunFormula read_formula(nb::handle program, const std::vector<ColumnTuple>& colu
 }  // namespace
 
 void bind_monitored(nb::module_& m) {
-  nb::enum_<Rows>(m, "Rows", "The runs of which all rows stay.")
-      .value("NONE", Rows::none)
-      .value("VIOLATING", Rows::violating)
-      .value("ALL", Rows::all);
-  nb::class_<RunFormula>(m, "RunFormula", "A formula with the observed values that it reads.")
+  nb::enum_<RecordedRows>(m, "RecordedRows", "The runs of which all rows stay.")
+      .value("NONE", RecordedRows::none)
+      .value("VIOLATING", RecordedRows::violating)
+      .value("ALL", RecordedRows::all);
+  nb::class_<MonitoredFormula>(m, "MonitoredFormula", "A formula with the observed values that it reads.")
       .def(nb::new_(&read_formula), nb::arg("program"), nb::arg("columns"), nb::arg("factor"));
   nb::class_<MonitoredRuns>(m, "MonitoredRuns", "Runs on which formulas are evaluated: arrays in their order.")
       .def("truths", &MonitoredRuns::truths, nb::arg("formula"), "0 is false, 1 is true, 2 undetermined.")
@@ -85,12 +79,12 @@ void bind_monitored(nb::module_& m) {
           nb::arg("number"), nb::rv_policy::reference_internal, "What is left of one run.");
   m.def(
       "monitored_runs",
-      [](const simulation::Simulation& simulation, const std::vector<const RunFormula*>& formulas, Rows rows,
-         bool until_decided, simulation::Policy policy, std::uint64_t seed, std::uint64_t first, std::uint64_t runs,
-         flow::Ticks until, flow::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads, bool actions,
-         const nb::callable& check) {
-        std::vector<RunFormula> read;
-        for (const RunFormula* const formula : formulas) read.push_back(*formula);
+      [](const simulation::Simulation& simulation, const std::vector<const MonitoredFormula*>& formulas,
+         RecordedRows rows, bool until_decided, simulation::Policy policy, std::uint64_t seed, std::uint64_t first,
+         std::uint64_t runs, flow::Ticks until, flow::Ticks ticks_per_unit, std::uint64_t steps, unsigned threads,
+         bool actions, const nb::callable& check) {
+        std::vector<MonitoredFormula> read;
+        for (const MonitoredFormula* const formula : formulas) read.push_back(*formula);
         simulation::RunLimits limits;
         limits.until = until;
         limits.steps = steps;

@@ -29,7 +29,7 @@ from tachk.cli.server.messages import (
 )
 from tachk.cli.server.scripts import key_of_own_scripts
 from tachk.cli.server.sources import Sources, loaded_files
-from tachk.cli.server.work import Work, begun
+from tachk.cli.server.work import RequestUnderWay, begun
 from tachk.cli.server.worker import limits_of, may_become
 
 _GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
@@ -62,7 +62,7 @@ class Server:
         self._sources = Sources(loaded_files())
         self._limits = limits_of(0)
         self._clients: dict[int, Connection] = {}
-        self._works: list[Work] = []
+        self._works: list[RequestUnderWay] = []
         self._finished = 0
         self._ending = False
         self._full = False

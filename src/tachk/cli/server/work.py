@@ -21,7 +21,7 @@ _NAMES = ("stdout", "stderr")
 
 
 @dataclass(eq=False, slots=True)
-class Work:
+class RequestUnderWay:
     """A request that is under way.
 
     Attributes:
@@ -97,7 +97,9 @@ class Work:
         self.streams.clear()
 
 
-def begun(client: Connection, request: Request, given: tuple[int, ...], wanted: ProcessLimits | None) -> Work:
+def begun(
+    client: Connection, request: Request, given: tuple[int, ...], wanted: ProcessLimits | None
+) -> RequestUnderWay:
     """Begins to carry out a request. Raises OSError where there can be no further process.
 
     Args:
@@ -124,4 +126,4 @@ def begun(client: Connection, request: Request, given: tuple[int, ...], wanted: 
     streams: dict[int, tuple[str, codecs.IncrementalDecoder]] = {
         read: (name, decoder("replace")) for name, (read, _) in zip(_NAMES, pipes, strict=False)
     }
-    return Work(client, request.id, process, streams)
+    return RequestUnderWay(client, request.id, process, streams)

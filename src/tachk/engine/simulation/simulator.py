@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +30,11 @@ LATEST_TICK = _core.latest_end()
 LATEST_END = Fraction(LATEST_TICK, _core.coarsest_ticks())
 """The longest run, in units of time."""
 
-RunFormula = _core.RunFormula
+MonitoredFormula = _core.MonitoredFormula
 """A formula that the core evaluates on runs: a program of monitors, the observed values that are its columns (their
 number, whether they are bits of floating point numbers, and what 0, 1, ... stand for, if not for themselves), and the
 ticks of the program in a tick of the runs."""
-Rows = _core.Rows
+RecordedRows = _core.RecordedRows
 """The runs of which all rows stay."""
 MonitoredRuns = _core.MonitoredRuns
 """Runs with the truth of each formula on them: arrays in their order."""
@@ -169,6 +170,21 @@ class SimulationOptions:
     ticks_per_unit: int = TICKS_PER_UNIT
 
 
+def _request(drawing: SimulationOptions, numbers: range) -> dict[str, Any]:
+    """The arguments by which the core draws the runs of these numbers."""
+    return {
+        "policy": _core.Policy[drawing.policy.name],
+        "seed": drawing.seed,
+        "first": numbers.start,
+        "runs": len(numbers),
+        "until": drawing.until,
+        "ticks_per_unit": drawing.ticks_per_unit,
+        "steps": 2**63 if drawing.steps is None else drawing.steps,
+        "threads": drawing.threads,
+        "check": current_job().check,
+    }
+
+
 class Simulator:
     """Runs of a program."""
 
@@ -180,18 +196,10 @@ class Simulator:
     def runs(self, drawing: SimulationOptions, numbers: range, recorded: RecordedChanges) -> Iterator[Simulated]:
         """The runs of these numbers, which follow one another. Raises StoppedError."""
         found = self._core.run(
-            policy=_core.Policy[drawing.policy.name],
-            seed=drawing.seed,
-            first=numbers.start,
-            runs=len(numbers),
-            until=drawing.until,
-            ticks_per_unit=drawing.ticks_per_unit,
-            steps=2**63 if drawing.steps is None else drawing.steps,
-            threads=drawing.threads,
             actions=recorded.actions,
             observed=recorded.observed,
             clocks=recorded.clocks,
-            check=current_job().check,
+            **_request(drawing, numbers),
         )
         for number, record in zip(numbers, found, strict=True):
             yield self.simulated(number, drawing.ticks_per_unit, record, recorded)
@@ -200,8 +208,8 @@ class Simulator:
         self,
         drawing: SimulationOptions,
         numbers: range,
-        formulas: Sequence[RunFormula],
-        rows: Rows = Rows.NONE,
+        formulas: Sequence[MonitoredFormula],
+        rows: RecordedRows = RecordedRows.NONE,
         actions: bool = False,
         until_decided: bool = False,
     ) -> MonitoredRuns:
@@ -216,16 +224,8 @@ class Simulator:
             formulas,
             rows=rows,
             until_decided=until_decided,
-            policy=_core.Policy[drawing.policy.name],
-            seed=drawing.seed,
-            first=numbers.start,
-            runs=len(numbers),
-            until=drawing.until,
-            ticks_per_unit=drawing.ticks_per_unit,
-            steps=2**63 if drawing.steps is None else drawing.steps,
-            threads=drawing.threads,
             actions=actions,
-            check=current_job().check,
+            **_request(drawing, numbers),
         )
 
     def first_fault(self, drawn: MonitoredRuns) -> tuple[RuntimeErrorKind, Span] | None:

@@ -10,7 +10,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.base.span import Source
-from tachk.engine.simulation.simulator import RecordedChanges, Rows, SimulationOptions
+from tachk.engine.simulation.simulator import RecordedChanges, RecordedRows, SimulationOptions
 from tachk.model.network import Network
 from tachk.recordings.monitors.formulas import formula_source, formulas_in
 from tachk.recordings.traces.node_signal import Truth
@@ -79,7 +79,7 @@ class EvaluatedRuns:
         until = parsed_time_bound(self.until, network.time_unit)
         drawing = SimulationOptions(self.seed, until.ticks, ticks_per_unit=until.ticks_per_unit)
         recorded = RecordedChanges(observed=True)
-        for run, results in evaluated(runs, formulas, drawing, range(self.runs), recorded, Rows.NONE):
+        for run, results in evaluated(runs, formulas, drawing, range(self.runs), recorded, RecordedRows.NONE):
             transitions += run.transitions
             for name, counts in truths.items():
                 counts[results.get(name, Truth.UNDETERMINED)] += 1

@@ -10,7 +10,7 @@ import pytest
 
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError
 from tachk.base.operators import BinaryOperator
-from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, Rows, SimulationOptions
+from tachk.engine.simulation.simulator import TICKS_PER_UNIT, RecordedChanges, RecordedRows, SimulationOptions
 from tachk.model.expressions import BOOL, Binary, Constant, Expression, LocationTest, Reference
 from tachk.model.network import Network
 from tachk.model.run_formulas import RunFormula, RunOperator, RunWindow
@@ -130,13 +130,13 @@ def test_rows_stay_as_they_are_recorded(seed: int) -> None:
         for formula in formulas
     ]
     recorded = list(runs.draw(drawing, range(RUNS), RecordedChanges(observed=True)))
-    for rows in (Rows.VIOLATING, Rows.ALL):
+    for rows in (RecordedRows.VIOLATING, RecordedRows.ALL):
         drawn = runs.simulator.monitored(drawing, range(RUNS), given, rows)
         truths = np.array([drawn.truths(number) for number in range(len(formulas))])
         assert truths.tolist() == expected
         for number, run in enumerate(recorded):
             record = drawn.record(number)
-            whole = rows is Rows.ALL or (truths[:, number] == Truth.FALSE).any()
+            whole = rows is RecordedRows.ALL or (truths[:, number] == Truth.FALSE).any()
             assert record.times().tolist() == run.times.tolist()[0 if whole else -1 :]
             assert record.observed().tolist() == run.observed[0 if whole else -1 :].reshape(-1).tolist()
             assert (record.end, record.transitions, record.lasts) == (run.end, run.transitions, run.lasts)
