@@ -29,7 +29,7 @@ FLOORS = (
 )
 """From the lowest up."""
 
-OF_TRACES = {"csv": ("decimals",), "monitoring": ("decimals",)}
+OF_TRACES = {"csv": ("decimals",), "json_lines": ("csv", "decimals"), "monitoring": ("decimals",)}
 """What the folders that know no network use."""
 OF_BOTH = {"monitored": ("flow", "simulation", "monitoring")}
 """What a folder uses that joins networks and traces."""

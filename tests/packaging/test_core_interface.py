@@ -71,6 +71,7 @@ def numbers_of(header: str, enumeration: str) -> dict[str, int]:
         ("program/program.hpp", "Comparison", Comparison),
         ("program/program.hpp", "DeadlockLiteral", DeadlockLiteral),
         ("csv/csv_reader.hpp", "CsvFaultKind", _core.CsvFaultKind),
+        ("json_lines/json_reader.hpp", "JsonKind", _core.JsonKind),
         ("monitoring/linear/linear_monitor.hpp", "RobustnessKind", _core.Measure),
         ("monitoring/monitor_program.hpp", "ValueOperator", ValueOperator),
         ("monitoring/monitor_program.hpp", "Relation", AtomRelation),

@@ -60,6 +60,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "base/job.py",
         "recordings/traces/core_monitor.py",
         "recordings/traces/linear_monitor.py",
+        "recordings/traces/logs/json_table.py",
         "recordings/traces/monitor_group.py",
         "recordings/traces/online_monitor.py",
         "recordings/traces/trace.py",

@@ -18,6 +18,7 @@
 #include "certificates.hpp"
 #include "csv.hpp"
 #include "group.hpp"
+#include "json_lines.hpp"
 #include "judge/runs.hpp"
 #include "linear.hpp"
 #include "offline.hpp"
@@ -196,6 +197,7 @@ NB_MODULE(_core, m) {
   bind_liveness(m);
   bind_localtime(m);
   bind_csv(m);
+  bind_json_lines(m);
   bind_offline(m);
   bind_linear(m);
   bind_online(m);

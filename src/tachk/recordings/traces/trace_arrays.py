@@ -59,6 +59,7 @@ class TableRecording:
     cells: the columns in the order of the header.
     supposing: see `supposed`.
     dated: the times were dates.
+    decimals: times that are whole numbers are counted in so many decimals of the unit.
     """
 
     name: str
@@ -66,6 +67,7 @@ class TableRecording:
     cells: Sequence[Any] = field(repr=False)
     supposing: bool = False
     dated: bool = False
+    decimals: int = 0
 
     @property
     def unit(self) -> str:
@@ -120,12 +122,15 @@ class TableRecording:
         """The times from a row on."""
         times = self._times()
         if begin == 0:
-            return (_supposed_times(times) if self.supposing else None) or exact_ticks(times, self.name)
-        counted = exact_ticks(times, self.name)
+            return (_supposed_times(times) if self.supposing else None) or self._exact(times)
+        counted = self._exact(times)
         assert not isinstance(counted.ticks, FloatTimes)
         later = counted.ticks[begin:]
         gone = int(later[0]) if len(later) else 0
         return replace(counted, ticks=later - gone, first=counted.first + gone)
+
+    def _exact(self, times: NDArray[Any]) -> CountedTimes:
+        return whole_ticks(times, self.decimals, self.name) if self.decimals else exact_ticks(times, self.name)
 
     def supposed(self) -> TableRecording:
         """The same, but times in floating point and numbers are supposed to be in order where a few samples are. The
@@ -249,6 +254,13 @@ def exact_ticks(times: NDArray[Any], name: str) -> CountedTimes:
             raise _backwards(name, row)
         case _TimeFault.NONE:
             return CountedTimes(ticks, first, 10**decimals, decimals if rounded else None)
+
+
+def whole_ticks(times: Ticks, decimals: int, name: str) -> CountedTimes:
+    """Times that are counted in so many decimals, in ticks as large as can be. Raises UsageError as `whole_times`."""
+    scale = 10**decimals
+    common = math.gcd(scale, int(np.gcd.reduce(times))) if len(times) else scale
+    return whole_times(times // common, scale // common, name)
 
 
 def whole_times(times: Ticks, ticks_per_unit: int, name: str) -> CountedTimes:

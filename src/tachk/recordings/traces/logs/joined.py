@@ -170,10 +170,11 @@ def with_decimals(recording: TraceSource, decimals: int | None) -> TraceSource:
 
 def _rounding(recording: TraceSource, decimals: int) -> TraceSource:
     """The rounding of times as text before they are counted, for they may have more digits than can be."""
+    from tachk.recordings.traces.logs.json_table import JsonTable
     from tachk.recordings.traces.logs.trace_jsonl import JsonRecording
 
     match recording:
-        case CsvRecording() | JsonRecording():
+        case CsvRecording() | JsonRecording() | JsonTable():
             return replace(recording, decimals=decimals)
         case JoinedRecording(recordings=recordings):
             return replace(recording, recordings=tuple(_rounding(part, decimals) for part in recordings))

@@ -37,6 +37,7 @@ class SparseRecording:
     times: of all instants in order, as ``trace_arrays.exact_ticks`` takes them.
     changes: of each column; rows of the same number are one instant.
     dated: the times were dates.
+    decimals: times that are whole numbers are counted in so many decimals of the unit.
     """
 
     name: str
@@ -44,6 +45,7 @@ class SparseRecording:
     times: NDArray[Any] = field(repr=False)
     changes: Mapping[str, ColumnChanges] = field(repr=False)
     dated: bool = False
+    decimals: int = 0
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -68,7 +70,7 @@ class SparseRecording:
             place = np.searchsorted(self.changes[name].rows, instants, side="right") - 1
             cells.append(np.asarray(self.changes[name].values)[place])
         header = TraceHeader((_TIME, *wanted), 0, self.unit)
-        trace = TableRecording(self.name, header, cells, dated=self.dated).read(list(wanted))
+        trace = TableRecording(self.name, header, cells, dated=self.dated, decimals=self.decimals).read(list(wanted))
         flags = {name: self._arrived(parts, instants) for name, parts in arrivals.items()}
         return replace(trace, columns={**trace.columns, **flags}) if flags else trace
 

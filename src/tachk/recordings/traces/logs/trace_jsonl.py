@@ -32,6 +32,7 @@ from tachk.recordings.traces.csv_beginning import ByteStream
 from tachk.recordings.traces.decimal_times import USUAL_DECIMALS, is_binary, rounded, separated, shortest
 from tachk.recordings.traces.location_names import location_names, locations_in
 from tachk.recordings.traces.logs.dates import is_date, seconds_of
+from tachk.recordings.traces.logs.json_table import JsonTable, merged_times, read_table
 from tachk.recordings.traces.logs.sparse import sparse
 from tachk.recordings.traces.trace import SHORTENING_NOTE, Trace, cut_off_warning, rounding_note
 from tachk.recordings.traces.trace_csv import Rows
@@ -113,30 +114,60 @@ class JsonRecording:
 
     def _merged(self, times: Sequence[Fraction]) -> UsageError:
         closest = min((after - before for before, after in pairwise(times) if after > before), default=Fraction(0))
-        return UsageError(
-            f"{self.name}: two times differ by {float(closest):.3g}, too little to be counted apart",
-            "give other --decimals, or write times alike that should be equal",
-        )
+        return merged_times(self.name, closest)
 
 
-def open_jsonl(path: Path, time: str | None, unit: str | None) -> JsonRecording:
+def open_jsonl(path: Path, time: str | None, unit: str | None) -> JsonRecording | JsonTable:
     """Reads a file. Raises InputError and UsageError."""
-    lines = JsonLines(str(path), time)
     try:
-        with open_bytes(path) as stream:
-            events = list(lines.events(stream))
-            why = torn(stream)
+        table = read_as_table(path, time, unit) if path.is_file() else None  # a pipe can be read once
+        return table or read_as_events(path, time, unit)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+
+
+def read_as_table(path: Path, time: str | None, unit: str | None) -> JsonTable | None:
+    """The file as columns; None where it has something unusual, or several runs.
+
+    Raises InputError and UsageError about its first line, and OSError.
+    """
+    beginning = JsonLines(str(path), time)
+    with open_bytes(path) as stream:
+        first = next(beginning.events(stream), None)
+    if first is None:
+        return None
+    known = agreed_unit(first.unit, unit, str(path))
+    with open_bytes(path) as stream:
+        table = read_table(stream, str(path), beginning.key, known, first.dated, _bare)
+        why = torn(stream)
+    if table is None or "run" in table.columns:
+        return None
+    return JsonTable(table, _torn_warnings(path, why))
+
+
+def read_as_events(path: Path, time: str | None, unit: str | None) -> JsonRecording:
+    """The file line by line, whatever it holds. Raises InputError, UsageError and OSError."""
+    lines = JsonLines(str(path), time)
+    with open_bytes(path) as stream:
+        events = list(lines.events(stream))
+        why = torn(stream)
     if not events:
         raise UsageError(f"{path} has no rows", "the verdict needs at least the state at the beginning")
     known = agreed_unit(events[0].unit, unit, str(path))
-    warnings = lines.warnings
-    if why is not None and not warnings:
-        warnings = (cut_off_warning(str(path), f"what follows its last whole line is left out ({why})"),)
-    return JsonRecording(str(path), known, events, warnings)
+    return JsonRecording(str(path), known, events, lines.warnings or _torn_warnings(path, why))
+
+
+def _torn_warnings(path: Path, why: str | None) -> tuple[str, ...]:
+    """The warning about a compressed file that is cut off.
+
+    Args:
+        why: it ended; None: it did not.
+    """
+    if why is None:
+        return ()
+    return (cut_off_warning(str(path), f"what follows its last whole line is left out ({why})"),)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -256,6 +287,11 @@ class JsonLines:
         self._unit = ""
         self._known = False
         self.warnings: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """The name of the time, once a line has been read."""
+        return self._key or ""
 
     def events(self, lines: Iterable[bytes]) -> Iterator[_Event]:
         """Raises InputError for the first line that cannot be read."""
