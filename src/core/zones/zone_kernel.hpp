@@ -125,19 +125,18 @@ struct Kernel {
         for (int v = 0; v < fixed; ++v) vector(row_r, v) = minimum(vector(row_r, v), all(to_i) + prepared[v]);
       }
     } else {
-      for (int v = 0; v < count; ++v) {
-        const Vector r = vector(row(zone, dimension, j), v);
-        Vector sum = all(bound) + r - ((all(bound) | r) & 1);
-        sum = r == all(infinity) ? all(infinity) : sum;
-        const Vector weak = prepared_weak(sum);
-        const Vector strict = prepared_strict(sum);
-        // Column i and row j are read while they are written; both keep their values: a shorter way through (i, j)
-        // to i, or from j, would be a negative cycle.
-        for (int k = 0; k < dimension; ++k) {
-          T* row_k = row(zone, dimension, k);
-          const T to_i = row_k[i];
-          if (to_i == infinity) continue;
-          vector(row_k, v) = minimum(vector(row_k, v), all(to_i) + ((to_i & 1) != 0 ? weak : strict));
+      // Row j is read while others are written; it keeps its values: a shorter way from j through (i, j) would be a
+      // negative cycle.
+      const T* row_j = row(zone, dimension, j);
+      for (int r = 0; r < dimension; ++r) {
+        T* row_r = row(zone, dimension, r);
+        const T to_i = row_r[i];
+        const T to_j = add(to_i, bound);
+        if (to_j >= row_r[j]) continue;  // then no other way from r through (i, j) is shorter
+        for (int v = 0; v < count; ++v) {
+          const Vector from_j = vector(row_j, v);
+          const Vector prepared = (to_j & 1) != 0 ? prepared_weak(from_j) : prepared_strict(from_j);
+          vector(row_r, v) = minimum(vector(row_r, v), all(to_j) + prepared);
         }
       }
     }
@@ -158,24 +157,25 @@ struct Kernel {
       const int source = resets[n].source;
       const T up = static_cast<T>(raw_bound(resets[n].value, false));
       const T down = static_cast<T>(raw_bound(-Raw{resets[n].value}, false));
+      const int column = clock / lanes;
+      const Vector here = lane_numbers(column) == all(static_cast<T>(clock));
+      for (int r = 0; r < dimension; ++r) {
+        if (r == clock) continue;
+        T* row_r = row(zone, dimension, r);
+        vector(row_r, column) = here ? all(add(row_r[source], down)) : vector(row_r, column);
+      }
       const int number = vectors(dimension);
       for (int v = 0; v < number; ++v) {
-        const Vector here = lane_numbers(v) == all(static_cast<T>(clock));
-        for (int r = 0; r < dimension; ++r) {
-          if (r == clock) continue;
-          T* row_r = row(zone, dimension, r);
-          vector(row_r, v) = here ? all(add(row_r[source], down)) : vector(row_r, v);
-        }
         const Vector same = vector(row(zone, dimension, source), v);
         Vector sum = same + all(static_cast<T>(up - 1));
         sum = same == all(infinity) ? same : sum;
-        vector(row(zone, dimension, clock), v) = here ? all(zero) : sum;
+        vector(row(zone, dimension, clock), v) = lane_numbers(v) == all(static_cast<T>(clock)) ? all(zero) : sum;
       }
     }
   }
 
   static void up(ZoneRef zone, int dimension, const std::uint8_t* stopped) {
-    const int number = vectors(dimension);
+    const int number = stopped == nullptr ? 1 : vectors(dimension);  // only those with a column that is freed
     for (int v = 0; v < number; ++v) {
       const Vector lane = lane_numbers(v);
       Vector freed = lane == all(0);
@@ -347,14 +347,30 @@ struct Kernel {
     void add(int i) {
       if (i < most) words[i / 64] |= std::uint64_t{1} << (i % 64);
     }
+    void add(const RowSet& others) {
+      for (int word = 0; word < most / 64; ++word) words[word] |= others.words[word];
+    }
     bool contains(int i) const { return i < most && (words[i / 64] >> (i % 64) & 1) != 0; }
+    // Calls body(i) for the other rows, in order.
+    template <class Body>
+    void for_each_other(int dimension, Body body) const {
+      for (int first = 0; first < dimension && first < most; first += 64) {
+        std::uint64_t rest = ~words[first / 64];
+        if (dimension - first < 64) rest &= (std::uint64_t{1} << (dimension - first)) - 1;
+        for (; rest != 0; rest &= rest - 1) body(first + __builtin_ctzll(rest));
+      }
+      for (int i = most; i < dimension; ++i) body(i);
+    }
   };
 
   // Floyd-Warshall; the zone must not be empty. No shorter way leads through a clock whose row is among `without_ways`,
-  // and none to replace an entry of the rows `closed`.
-  static void close(ZoneRef zone, int dimension, const RowSet& without_ways, const RowSet& closed) {
+  // none to replace an entry of the rows `closed`, and none but by way of 0 for those `closed_by_zero`, and none by way
+  // of `end` or a clock behind it.
+  static void close(ZoneRef zone, int dimension, const RowSet& without_ways, RowSet closed,
+                    const RowSet& closed_by_zero, int end) {
     const int number = vectors(dimension);
-    for (int k = 0; k < dimension; ++k) {
+    for (int k = 0; k < end; ++k) {
+      if (k == 1) closed.add(closed_by_zero);
       if (without_ways.contains(k)) continue;
       const T* row_k = row(zone, dimension, k);
       if constexpr (Stride != 0) {
@@ -364,25 +380,25 @@ struct Kernel {
           weak[v] = prepared_weak(vector(row_k, v));
           strict[v] = prepared_strict(vector(row_k, v));
         }
-        for (int i = 0; i < dimension; ++i) {
+        closed.for_each_other(dimension, [&](int i) {
           T* row_i = row(zone, dimension, i);
           const T to_k = row_i[k];
-          if (to_k == infinity || i == k || closed.contains(i)) continue;
+          if (to_k == infinity || i == k) return;
           const Vector* prepared = (to_k & 1) != 0 ? weak : strict;
           for (int v = 0; v < Stride / lanes; ++v)
             vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared[v]);
-        }
+        });
       } else {
-        for (int i = 0; i < dimension; ++i) {
+        closed.for_each_other(dimension, [&](int i) {
           T* row_i = row(zone, dimension, i);
           const T to_k = row_i[k];
-          if (to_k == infinity || i == k || closed.contains(i)) continue;
+          if (to_k == infinity || i == k) return;
           for (int v = 0; v < number; ++v) {
             const Vector r = vector(row_k, v);
             const Vector prepared = (to_k & 1) != 0 ? prepared_weak(r) : prepared_strict(r);
             vector(row_i, v) = minimum(vector(row_i, v), all(to_k) + prepared);
           }
-        }
+        });
       }
     }
   }
@@ -393,28 +409,37 @@ struct Kernel {
     const int number = vectors(dimension);
     T* first = row(zone, dimension, 0);
     bool changed = false;
-    RowSet freed;   // rows that lose every finite entry
-    RowSet closed;  // rows in which no entry is raised: as no way has become shorter, they are closed as they are
+    bool others = false;  // whether there is a row that is none of the following:
+    RowSet freed;         // rows that lose every finite entry
+    RowSet closed;        // rows in which no entry is raised: as no way has become shorter, they are closed as they are
+    RowSet
+        closed_by_zero;  // rows in which only columns are raised that all rows lose but that of 0: it has the last step
     for (int i = 1; i < dimension; ++i) {
       T* row_i = row(zone, dimension, i);
       const bool above_lower = first[i] < -2 * lower_bounds[i];
       if (above_lower) freed.add(i);
       const T limit = static_cast<T>(2 * lower_bounds[i] + 1);
       Vector raised_here{};
+      Vector others_raised{};
       for (int v = 0; v < number; ++v) {
         const Vector old = vector(row_i, v);
         const Vector u = vector(upper_bounds, v);
-        Vector raised = (old > all(limit)) | (vector(first, v) < u * -2);
+        const Vector lost_by_all = vector(first, v) < u * -2;
+        Vector raised = (old > all(limit)) | lost_by_all;
         if (above_lower) raised = all(-1);
         Vector fresh = raised ? all(infinity) : old;
         fresh = lane_numbers(v) == all(static_cast<T>(i)) ? all(zero) : fresh;
         raised_here |= fresh ^ old;
+        others_raised |= (fresh ^ old) & ~lost_by_all;
         vector(row_i, v) = fresh;
       }
-      if (any(raised_here))
-        changed = true;
-      else
+      changed |= any(raised_here);
+      if (above_lower || !any(raised_here))
         closed.add(i);
+      else if (any(others_raised))
+        others = true;
+      else
+        closed_by_zero.add(i);
     }
     Vector difference{};
     for (int v = 0; v < number; ++v) {
@@ -426,7 +451,7 @@ struct Kernel {
     }
     if (!changed && !any(difference)) return;
     closed.add(0);  // where a bound of it was relaxed, no other way leads to that clock: its column was raised
-    close(zone, dimension, freed, closed);
+    close(zone, dimension, freed, closed, closed_by_zero, others ? dimension : 1);
   }
 
   static void extrapolate_max(ZoneRef zone, int dimension, ConstBoundRow bound) {
@@ -448,7 +473,7 @@ struct Kernel {
       }
       changed |= any(difference);
     }
-    if (changed) close(zone, dimension, {}, {});
+    if (changed) close(zone, dimension, {}, {}, {}, dimension);
   }
 
   static bool meets_each(ConstZoneRef zone, int dimension, const Atom* atoms, std::size_t count) {
