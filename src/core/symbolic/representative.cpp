@@ -46,7 +46,10 @@ Representatives::Representatives(const program::Program& program, const zones::Z
       scratch_(operations) {
   for (const Interchangeable& parts : program.interchangeable) {
     Group& group = groups_.emplace_back(Group{parts, {}, {}, {}, MemberNames(parts), {}});
-    if (parts.cyclic) group.turns.emplace(parts);
+    if (parts.cyclic)
+      group.turns.emplace(parts);
+    else
+      sums_count_ = true;
     group.names_own.resize(parts.slots.front().size());
     group.own_tables.resize(parts.slots.front().size());
     for (const Interchangeable::Name& name : parts.names) {
@@ -115,7 +118,7 @@ void Representatives::order(std::size_t group) {
 }
 
 bool Representatives::sort(std::int32_t* slots, ZoneBuffer& zone) {
-  operations_.sum_up(zone.get(), dimension_, rows_.data(), columns_.data());
+  if (sums_count_) operations_.sum_up(zone.get(), dimension_, rows_.data(), columns_.data());
   bool moves = false;
   for (std::size_t group = 0; group < groups_.size(); ++group) {
     if (groups_[group].turns) {

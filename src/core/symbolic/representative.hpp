@@ -73,6 +73,7 @@ class Representatives final {
   Arrangement identity_;
   std::size_t width_ = 0;            // of the description of a member
   std::vector<std::int64_t> facts_;  // the descriptions of all members
+  bool sums_count_ = false;          // whether a group is ordered by the following; a ring is not
   std::vector<std::int64_t> rows_;
   std::vector<std::int64_t> columns_;
   std::vector<std::int32_t> moved_;
