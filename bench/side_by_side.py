@@ -211,7 +211,8 @@ def _by_tarzan(
         return None
     command = [program.executable, str(instance.regions), setting, *instance.goals]
     try:
-        process = finished(command, None, range(256), limits.seconds, limits.memory, told=False)
+        statuses = {*range(256)} - {2}  # it could not read a file, which is an error of ours
+        process = finished(command, None, statuses, limits.seconds, limits.memory, told=False)
     except Stopped as spent:
         return _unfinished(family, size, program.name, setting, _why(spent, limits), spent)
     told = re.search(r"Goal is (not reachable|reachable)\nNumber of regions: (\d+)", process.output)

@@ -14,6 +14,7 @@ from pathlib import Path
 
 _COMPARED = re.compile(r"(\w+) (<=|<|>=|>|==) (\d+)")
 _NAMES = re.compile(r"[A-Za-z_]\w*")
+_REMAINDER = re.compile(r"\((\w+|\([^()%]*\)) % (\d+)\)")
 
 
 class _NotSaid(Exception):
@@ -160,7 +161,7 @@ def _edge(network: _Network, local: dict[str, str], edge: tuple[str, str, str, d
             _need(
                 name in network.integers and not set(network.clocks) & set(_NAMES.findall(value)) and "?" not in value
             )
-            updates.append(f"{name} = {value}")
+            updates.append(f"{name} = {_without_remainders(value)}")
     parts = [
         source,
         action,
@@ -171,6 +172,13 @@ def _edge(network: _Network, local: dict[str, str], edge: tuple[str, str, str, d
         target,
     ]
     return action, f"        ({', '.join(parts)})"
+
+
+def _without_remainders(value: str) -> str:
+    """The same value; TARZAN's grammar has no `%`, and the program goes on without a file that it cannot read."""
+    found = _REMAINDER.sub(r"(\1 - (\2 * (\1 / \2)))", value)
+    _need("%" not in found)
+    return found
 
 
 def _first_is_clock(network: _Network, condition: str) -> bool:

@@ -6,6 +6,7 @@
 // gone through. It is compiled with TARZAN's sources: g++ -std=c++20 -O3 -march=native -I FOLDER_OF_TARZAN ...
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,7 +52,14 @@ int main(const int count, char** arguments) {
         std::cerr << "usage: tarzan_reach FOLDER dfs|bfs [INDEX=LOCATION ...]\n";
         return 2;
     }
+    std::ostringstream errors;
+    std::streambuf* const shown = std::cerr.rdbuf(errors.rdbuf());
     const auto automata = TARZAN::parseTimedAutomataFromFolder(arguments[1]);
+    std::cerr.rdbuf(shown);
+    if (!errors.str().empty()) {  // the library goes on without a file that it cannot read
+        std::cout << "cannot read: " << errors.str();
+        return 2;
+    }
     const ssee order = std::string(arguments[2]) == "bfs" ? BFS : DFS;
     const Goals goals = goals_of(count, arguments);
     if (automata.size() == 1) ask_one(automata.front(), goals, order);

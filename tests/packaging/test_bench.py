@@ -16,7 +16,7 @@ if not (ROOT / "bench").is_dir():
 
 sys.path.append(str(ROOT))
 
-from bench.families import TARZAN, TCHECKER, UPPAAL  # noqa: E402
+from bench.families import OWN, TARZAN, TCHECKER, UPPAAL  # noqa: E402
 from bench.tarzan_files import written  # noqa: E402
 
 
@@ -77,12 +77,20 @@ def test_a_network_is_written_as_tarzan_reads_it(tmp_path: Path) -> None:
     assert "(G2, tau, [(x, ==, 2)], turned == 2, [x], open)" in lock
 
 
+def test_a_remainder_is_written_without_the_sign_that_tarzan_cannot_read(tmp_path: Path) -> None:
+    instance = OWN["fddi"].instance(3, tmp_path, exported=True)
+    assert instance.regions is not None
+    token = (instance.regions / "0003_Token.txt").read_text(encoding="utf-8")
+    assert "[Token_at = ((Token_at + 1) - (3 * ((Token_at + 1) / 3)))]" in token and "%" not in token
+
+
 @pytest.mark.parametrize(
     "line",
     [
         "location:P:a{initial: : committed:}",
         "int:1:0:5:3:n",
         "edge:P:a:a:tau{do: x = 1}",
+        "edge:P:a:a:tau{do: m = 7 % m}",
         "edge:P:a:a:tau{provided: x - y < 1}",
         "sync:P@c_send:Q@c_receive?",
     ],
