@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import isfinite, isnan
-from typing import Any, Generic, Protocol, TypeVar
+from math import isfinite
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,20 +22,28 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import check_job
 from tachk.recordings.traces.arrivals import topic_of
 from tachk.recordings.traces.logs.dates import seconds_of
-from tachk.recordings.traces.logs.sparse import sparse
+from tachk.recordings.traces.logs.message_fields import (
+    NO_COLUMNS,
+    Picker,
+    Values,
+    flattened,
+    part_of,
+    steps,
+    topic_name,
+)
+from tachk.recordings.traces.logs.sparse import ColumnChanges, SparseRecording, array_of
 from tachk.recordings.traces.trace import Trace
-from tachk.recordings.traces.trace_header import no_such_column, without_unit
+from tachk.recordings.traces.trace_header import no_such_column
 
 LOG_TIME = "log_time"
 """The time when a message was recorded, in place of the name of a field that holds the time."""
 
-MOST_ELEMENTS = 4096
-"""Elements of an array that are named as columns; images and clouds of points are longer."""
-
 SAMPLES = 200
 """Messages of a topic whose fields are its columns: objects of JSON and arrays may differ from message to message."""
 
-_STEP = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
+_CHECKED = 256
+"""Messages between two looks at the limits of the job."""
+
 _NUMBER = re.compile(r"\[\d+\]")
 _NANOSECONDS = 10**9
 
@@ -70,6 +78,10 @@ class MessageFile(Protocol):
         """Topic, time in nanoseconds, and content of the messages of some topics, in the order of the file."""
         ...
 
+    def picked(self, topics: Collection[str], pickers: Mapping[str, Picker]) -> Iterator[tuple[str, int, Values]]:
+        """The same with the values that are wanted of each message, in place of its content."""
+        ...
+
     def samples(self) -> Iterator[tuple[str, Any]]:
         """The first `SAMPLES` messages of each topic that can be decoded."""
         ...
@@ -97,6 +109,14 @@ class WithSummary(ABC, Generic[Topics]):
     @abstractmethod
     def _read_summary(self) -> tuple[Topics, int | None]:
         """The topics, and the time of the last message where it is known."""
+
+    @abstractmethod
+    def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
+        """See `MessageFile`."""
+
+    def picked(self, topics: Collection[str], pickers: Mapping[str, Picker]) -> Iterator[tuple[str, int, Values]]:
+        for topic, time, content in self.decoded(topics):
+            yield topic, time, pickers.get(topic, NO_COLUMNS)(content)
 
     @cached_property
     def _summary(self) -> tuple[Topics, int | None]:
@@ -143,31 +163,43 @@ class MessageRecording:
         paths: dict[str, dict[str, str]] = {}
         for column in wanted:
             paths.setdefault(self._topic(topic_of(column) or column), {})[column] = column
-        topics = paths or self.messages.topics
-        events: list[tuple[int, Mapping[str, Any]]] = []
-        met: set[str] = set()
-        getters = {topic: _getters(topic_name(topic), names) for topic, names in paths.items()}
-        for number, (topic, logged, content) in enumerate(self.messages.decoded(topics)):
-            check_job()
-            time = logged if self.time is None else self._stamp(topic, content)
-            if abs(time) > LAST_TIME:
-                raise self._out_of_range(f"message {number + 1} of {topic}", time)
-            given = {column: get(content) for column, get in getters.get(topic, {}).items()}
-            met.update(column for column, value in given.items() if value is not None)
-            events.append((time, given))
+        pickers = {topic: Picker(topic, names) for topic, names in paths.items()}
+        times: list[int] = []
+        given: dict[str, _Given] = {}
+        for topic, time, values in self._values(paths or self.messages.topics, pickers):
+            own = given.get(topic)
+            if own is None:
+                own = given[topic] = _Given([], [])
+            own.messages.append(len(times))
+            own.values.append(values)
+            times.append(time)
+            if not -LAST_TIME <= time <= LAST_TIME:
+                raise self._out_of_range(f"message {len(times)} of {topic}", time)
+            if len(times) % _CHECKED == 0:
+                check_job()
+        changes = _changes(times, given, pickers)
+        met = {column for column, own in changes.items() if len(own.rows)}
         missing = next((column for column in wanted if column not in met and column not in self.columns), None)
         if missing is not None:
             raise no_such_column(missing, self.columns, self.name)
-        if not events:
+        if not times:
             raise UsageError(f"{self.name} has no messages", "the verdict needs at least the state at the beginning")
-        events.sort(key=lambda event: event[0])
+        times.sort()
         end = self.messages.end if self.time is None else None
         if end is not None and end > LAST_TIME:
             raise self._out_of_range("the last message", end)
-        if end is not None and end > events[-1][0]:
-            events.append((end, {}))
-        recording = sparse(self.name, "s", events, np.array([time for time, _ in events], "datetime64[ns]"))
+        if end is not None and end > times[-1]:
+            times.append(end)
+        recording = SparseRecording(self.name, "s", np.array(times, "datetime64[ns]"), changes)
         return replace(recording.read(list(wanted)), calendar=True, warnings=self.messages.warnings)
+
+    def _values(self, topics: Collection[str], pickers: Mapping[str, Picker]) -> Iterator[tuple[str, int, Values]]:
+        """Topic, time and values of messages."""
+        if self.time is None:
+            yield from self.messages.picked(topics, pickers)
+            return
+        for topic, _, content in self.messages.decoded(topics):
+            yield topic, self._stamp(topic, content), pickers.get(topic, NO_COLUMNS)(content)
 
     def named_values(self) -> Mapping[str, Mapping[str, int | float | str]]:
         """The constants of the type of each topic, by the name of its columns."""
@@ -211,8 +243,8 @@ class MessageRecording:
         """The time that a message gives itself, in nanoseconds."""
         assert self.time is not None
         value = content
-        for step in _steps(self.time):
-            value = _part(value, step)
+        for step in steps(self.time):
+            value = part_of(value, step)
         time = _nanoseconds(value)
         if time is None:
             raise UsageError(
@@ -222,89 +254,37 @@ class MessageRecording:
         return time
 
 
-def topic_name(topic: str) -> str:
-    """``/robot/odom`` as ``robot.odom``."""
-    return topic.strip("/").replace("/", ".")
+class _Given(NamedTuple):
+    """The messages of a topic, by their numbers among all, and the values that each gives."""
+
+    messages: list[int]
+    values: list[Values]
 
 
-def flattened(name: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """The numbers, truth values and texts within a message, with their names; of long arrays none."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from flattened(f"{name}.{without_unit(str(key))}", inner)
-    elif hasattr(value, "__dataclass_fields__"):
-        for key in value.__dataclass_fields__:
-            if not key.startswith("_"):
-                yield from flattened(f"{name}.{key}", getattr(value, key))
-    elif isinstance(value, (list, tuple, np.ndarray)):
-        if len(value) <= MOST_ELEMENTS:
-            for number, inner in enumerate(value):
-                yield from flattened(f"{name}[{number}]", inner)
-    elif not isinstance(value, (bytes, bytearray, memoryview)):
-        yield name, _plain(value)
-
-
-def _getters(name: str, columns: Iterable[str]) -> dict[str, Callable[[Any], Any]]:
-    """The functions that find the value of each column in a message; None where it has none."""
-    return {
-        column: _getter(column[len(name) :]) if topic_of(column) is None else _arrival(name, column)
-        for column in columns
-    }
-
-
-def _arrival(name: str, column: str) -> Callable[[Any], Any]:
-    """Says that a message of the topic gives what arrives in a column of arrivals."""
-    path = topic_of(column) or ""
-    get = _getter(path[len(name) :])
-    return lambda content: True if path == name or get(content) is not None else None
-
-
-def _getter(path: str) -> Callable[[Any], Any]:
-    steps = _steps(path)
-
-    def get(content: Any) -> Any:
-        value = content
-        for number, step in enumerate(steps):
-            inner = _part(value, step)
-            if inner is None and isinstance(value, Mapping) and number == 0:
-                return dict(flattened("", content)).get(path)  # a key may hold dots
-            value = inner
-        return _plain(value) if isinstance(value, (bool, int, float, str, np.generic)) else None
-
-    return get
-
-
-def _steps(path: str) -> tuple[str | int, ...]:
-    return tuple(match[1] or int(match[2]) for match in _STEP.finditer(path))
-
-
-def _part(value: Any, step: str | int) -> Any:
-    if isinstance(step, int):
-        inside = isinstance(value, (list, tuple, np.ndarray)) and step < len(value)
-        return value[step] if inside else None
-    if not isinstance(value, Mapping):
-        return getattr(value, step, None)
-    found = value.get(step)
-    if found is None:
-        behind = f"{step} "
-        named = [key for key in value if str(key).startswith(behind) and without_unit(str(key)) == step]
-        if len(named) > 1:
-            raise UsageError(f"a message has two fields {step!r}, {named[0]!r} and {named[1]!r}", "rename one of them")
-        found = value[named[0]] if named else None
+def _changes(times: list[int], given: Mapping[str, _Given], pickers: Mapping[str, Picker]) -> dict[str, ColumnChanges]:
+    """The changes of each column, in the order of time; of the same time in the order of the file."""
+    order = np.argsort(np.array(times, np.int64), kind="stable")
+    places = np.empty(len(times), np.int64)
+    places[order] = np.arange(len(times))
+    rows = {topic: places[own.messages] for topic, own in given.items()}
+    found: dict[str, ColumnChanges] = {}
+    for topic in sorted(given, key=lambda each: int(rows[each].min())):
+        own = np.argsort(rows[topic])
+        values = given[topic].values
+        ordered = [values[number] for number in own.tolist()]
+        for place, column in enumerate(pickers.get(topic, NO_COLUMNS).columns):
+            cells = [each[place] for each in ordered]
+            known = np.array([cell is not None for cell in cells], dtype=bool)
+            held = cells if known.all() else [cell for cell in cells if cell is not None]
+            found[column] = ColumnChanges(rows[topic][own][known], array_of(held))
     return found
-
-
-def _plain(value: Any) -> Any:
-    """A value as one of Python; what is not a number means that the value stays."""
-    plain = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(plain, float) and isnan(plain) else plain
 
 
 def _nanoseconds(value: Any) -> int | None:
     """A stamp of ROS, a number of seconds, or a date."""
-    seconds = next((part for key in _SECONDS if (part := _part(value, key)) is not None), None)
+    seconds = next((part for key in _SECONDS if (part := part_of(value, key)) is not None), None)
     if seconds is not None:
-        rest = next((part for key in _REST if (part := _part(value, key)) is not None), 0)
+        rest = next((part for key in _REST if (part := part_of(value, key)) is not None), 0)
         parts = [part.item() if isinstance(part, np.generic) else part for part in (seconds, rest)]
         return parts[0] * _NANOSECONDS + parts[1] if all(isinstance(part, int) for part in parts) else None
     if isinstance(value, str):

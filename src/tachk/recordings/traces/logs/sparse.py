@@ -105,12 +105,12 @@ def sparse(
     if instants is None:
         times[:] = [time for time, _ in events]
     changes = {
-        column: ColumnChanges(np.array(places, np.int64), _array(values[column])) for column, places in rows.items()
+        column: ColumnChanges(np.array(places, np.int64), array_of(values[column])) for column, places in rows.items()
     }
     return SparseRecording(name, unit, times, changes, dated)
 
 
-def _array(values: list[Any]) -> NDArray[Any]:
+def array_of(values: list[Any]) -> NDArray[Any]:
     """One-dimensional, whatever the values are."""
     kinds = {type(value) for value in values}
     if kinds <= {int, float}:

@@ -20,7 +20,7 @@ from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.arrivals import arriving
 from tachk.recordings.traces.logs.foreign import library_errors
 from tachk.recordings.traces.logs.joined import JoinedRecording
-from tachk.recordings.traces.logs.messages import MOST_ELEMENTS
+from tachk.recordings.traces.logs.message_fields import MOST_ELEMENTS
 from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.trace_header import (

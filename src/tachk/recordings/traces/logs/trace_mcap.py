@@ -19,6 +19,8 @@ from tachk.base.job import check_job
 from tachk.base.optional_packages import optional_packages
 from tachk.recordings.traces.compressed import is_compressed, open_bytes
 from tachk.recordings.traces.logs.foreign import library_errors
+from tachk.recordings.traces.logs.mcap_chunks import StoredMessage, read_messages
+from tachk.recordings.traces.logs.message_fields import NO_COLUMNS, Picker, Values
 from tachk.recordings.traces.logs.messages import LOG_TIME, SAMPLES, Enumerations, MessageRecording, WithSummary
 from tachk.recordings.traces.logs.trace_rosbag import constants_of, enumerations_of
 from tachk.recordings.traces.trace import cut_off_warning
@@ -121,10 +123,6 @@ def _decompressed(compression: str, data: bytes) -> bytes:
 PUBLISH_TIME = "publish_time"
 """The time when a message was sent, in place of the name of a field."""
 
-StoredMessage = tuple[Any, Any, Any]
-"""Schema, channel and message, as mcap has them."""
-
-
 _LARGE = 1 << 20
 
 
@@ -159,17 +157,38 @@ class McapMessages(WithSummary[dict[str, bool]]):
                 end = None if self.published else summary.statistics.message_end_time
                 return {channel.topic: _is_known(channel, schema) for channel, schema in channels}, end
         # The recorder was stopped before it wrote what the file holds.
-        known = {channel.id: (channel, schema) for schema, channel, _ in self._messages(None)}
+        known = {channel.id: (channel, schema) for schema, channel, *_ in self._messages(None)}
         if not known and not self._is_whole:
             raise UsageError(f"{self.path} is cut off before its first message")
         return {channel.topic: _is_known(channel, schema) for channel, schema in known.values()}, None
 
     def decoded(self, topics: Collection[str]) -> Iterator[tuple[str, int, Any]]:
-        for schema, channel, message in self._messages(list(topics)):
-            time = message.publish_time if self.published else message.log_time
+        for schema, channel, logged, sent, data in self._messages(list(topics)):
             with library_errors(self.path, "MCAP file"):
-                content = self._decoder(channel, schema)(message.data)
-            yield channel.topic, time, content
+                content = self._decoder(channel, schema)(data)
+            yield channel.topic, sent if self.published else logged, content
+
+    def picked(self, topics: Collection[str], pickers: Mapping[str, Picker]) -> Iterator[tuple[str, int, Values]]:
+        readers: dict[int, Callable[[bytes], Values]] = {}
+        for schema, channel, logged, sent, data in self._messages(list(topics)):
+            pick = pickers.get(channel.topic, NO_COLUMNS)
+            try:
+                if channel.id not in readers:
+                    readers[channel.id] = self._reader(channel, schema, pick)
+                values = readers[channel.id](data)
+            except Exception:  # each library has errors of its own
+                with library_errors(self.path, "MCAP file"):
+                    content = self._decoder(channel, schema)(data)
+                values = pick(content)
+            yield channel.topic, sent if self.published else logged, values
+
+    def _reader(self, channel: Any, schema: Any, pick: Picker) -> Callable[[bytes], Values]:
+        read = self._decoder(channel, schema)
+        if channel.message_encoding != "cdr":
+            return lambda data: pick(read(data))
+        from tachk.recordings.traces.logs.cdr_layouts import CdrPicker
+
+        return CdrPicker(read, pick, pick.paths, *_typestore(schema))
 
     def samples(self) -> Iterator[tuple[str, Any]]:
         for topic, known in self._summary[0].items():
@@ -212,17 +231,18 @@ class McapMessages(WithSummary[dict[str, bool]]):
             if summary is not None:
                 channels = [(each, summary.schemas.get(each.schema_id)) for each in summary.channels.values()]
             else:
-                channels = list({channel.id: (channel, schema) for schema, channel, _ in self._messages(None)}.values())
+                channels = list(
+                    {channel.id: (channel, schema) for schema, channel, *_ in self._messages(None)}.values()
+                )
         return {channel.topic: (channel.message_encoding, schema) for channel, schema in channels if schema is not None}
 
     def _messages(self, topics: Collection[str] | None) -> Iterator[StoredMessage]:
-        from mcap.reader import make_reader
-
         with self._opened() as stream:
             if self._is_whole:
-                yield from make_reader(stream).iter_messages(topics=topics)
+                yield from read_messages(stream, topics)
             else:
-                yield from salvaged(stream, topics)
+                for schema, channel, message in salvaged(stream, topics):
+                    yield StoredMessage(schema, channel, message.log_time, message.publish_time, message.data)
 
     @cached_property
     def _is_whole(self) -> bool:
@@ -280,7 +300,7 @@ _PROTOBUF = ("protobuf", "protobuf")
 
 def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
     if channel.message_encoding == "json":
-        return json.loads
+        return _json
     if not _is_known(channel, schema):
         raise UsageError(
             f"{what} has messages in the encoding {channel.message_encoding!r}",
@@ -292,6 +312,20 @@ def _decoder(channel: Any, schema: Any, what: str) -> Callable[[bytes], Any]:
     store, name = _typestore(schema)
     read = store.deserialize_ros1 if channel.message_encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)
+
+
+_scan: Callable[[str, int], tuple[Any, int]] = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
+
+
+def _json(data: bytes) -> Any:
+    """As `json.loads`, and quicker where nothing stands around the value."""
+    if data.startswith(b'{"'):  # so it is UTF-8
+        with suppress(ValueError, StopIteration, RecursionError):
+            text = data.decode("utf-8", "surrogatepass")
+            value, end = _scan(text, 0)
+            if end == len(text):
+                return value
+    return json.loads(data)
 
 
 def _typestore(schema: Any) -> tuple[Any, str]:
