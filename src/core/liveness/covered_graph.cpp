@@ -21,7 +21,10 @@ struct CoveredGraph::Stepping {
     ++search.transitions_;
     if (!search.reachable_.is_restricted())
       return search.restriction_.avoided().in(entry.slots, entry.zone) != TruthInZone::always;
-    return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+    return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) {
+      states().announce(part.slots, program::SlotSet::all());
+      take(part);
+    });
   }
   // A widened zone is covered where the zone is, unless it is widened in several parts.
   bool wants(const Successor& successor) const { return !covered(successor); }

@@ -36,7 +36,8 @@ struct NestedSearch::Descending {
   bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
     search.transitions_ += !entry.edges.empty();
     try {
-      return search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+      return search.restriction_.lets_through(entry, invariant,
+                                              [this](const Successor& part) { search.push_sorted(part); });
     } catch (const ModelFault& fault) {  // of the new state, not of the action that leads there
       throw StateFault(fault, entry.edges);
     }
@@ -51,10 +52,7 @@ struct NestedSearch::Descending {
 void NestedSearch::start() { graph_.start(Descending{*this}); }
 
 void NestedSearch::start_in(symbolic::SymbolicState& state, Predicate& begins) {
-  restriction_.beginnings(begins, state, [&](const Successor& part) {
-    passed_.announce(part.slots, program::SlotSet::all());
-    push(part);
-  });
+  restriction_.beginnings(begins, state, [&](const Successor& part) { push_sorted(part); });
 }
 
 void NestedSearch::advance() {
@@ -87,6 +85,11 @@ void NestedSearch::expand() {
     found_ = ViolationKind::stuck;
 }
 
+void NestedSearch::push_sorted(const Successor& part) {
+  passed_.announce(part.slots, program::SlotSet::all());
+  push(part);
+}
+
 void NestedSearch::push(const Successor& successor) {
   if (closing_) return;
   const std::uint32_t discrete = passed_.locate();
@@ -114,8 +117,10 @@ struct NestedSearch::Finding {
   void possible(ConstZoneRef, const Effect&) const {}
   void expect(const Effect& effect) const { search.passed_.announce(effect.slots.data(), program::SlotSet::all()); }
   bool enters(const Successor& entry, const std::vector<Atom>& invariant) const {
-    return edges.empty() &&
-           search.restriction_.lets_through(entry, invariant, [this](const Successor& part) { take(part); });
+    return edges.empty() && search.restriction_.lets_through(entry, invariant, [this](const Successor& part) {
+      search.passed_.announce(part.slots, program::SlotSet::all());
+      take(part);
+    });
   }
   bool wants(const Successor&) const { return search.passed_.locate() == search.stack_[sought].discrete; }
   void take(const Successor& successor) const {

@@ -58,6 +58,8 @@ class NestedSearch final {
 
   void expand();
   void push(const symbolic::Successor& successor);
+  // As `push`, where the slots are not those announced: those of a part, whose processes have been sorted.
+  void push_sorted(const symbolic::Successor& part);
   void unpack(std::uint32_t number);
   symbolic::Edges edges_between(std::uint32_t from, std::uint32_t to);
 

@@ -27,6 +27,7 @@ struct Reachable::Storing {
     search.transitions_ += !entry.edges.empty();
     return search.restriction_ == nullptr ||
            search.restriction_->lets_through(entry, invariant, [this](const Successor& part) {
+             search.passed_.announce(part.slots, program::SlotSet::all());
              discrete = search.passed_.locate();
              take(part);
            });

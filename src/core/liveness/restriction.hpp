@@ -21,8 +21,8 @@ class Restriction final {
   Predicate& avoided() { return avoided_; }
 
   // Of a step, before time has passed: whether the predicate does not depend on clocks there and is false, so that the
-  // step goes on as always. Else calls take(successor) for each part of what the step leads to. Throws ModelFault,
-  // ConstantOverflow.
+  // step goes on as always. Else calls take(successor) for each part of what the step leads to, with its processes
+  // sorted, so that its slots may be others than those of the entry. Throws ModelFault, ConstantOverflow.
   template <class Take>
   bool lets_through(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant, Take&& take) {
     switch (avoided_.in(entry.slots, entry.zone)) {
@@ -38,15 +38,17 @@ class Restriction final {
   }
 
   // Calls take(successor) for each part of what an entry becomes by delays that avoid the predicate, which has been
-  // looked at in this discrete state. Throws ModelFault, ConstantOverflow.
+  // looked at in this discrete state. The processes of each part are sorted by itself: permutations keep the predicate,
+  // so that a part without runs stays one. Throws ModelFault, ConstantOverflow.
   template <class Take>
   void parts(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant, Take&& take) {
     const zones::Federation& pieces = avoidance_.after_delay(entry.slots, entry.zone, invariant, avoided_);
     for (std::size_t number = 0; number < pieces.size(); ++number) {
       zones::ZoneBuffer piece(graph_.operations());
       piece.assign(pieces[number]);
-      graph_.abstract(entry.slots, piece,
-                      [&](zones::ConstZoneRef zone) { take(symbolic::Successor{entry.edges, entry.slots, zone}); });
+      graph_.abstract(entry.slots, piece, [&](zones::ConstZoneRef zone) {
+        graph_.sorted(symbolic::Successor{entry.edges, entry.slots, zone}, take);
+      });
     }
   }
 

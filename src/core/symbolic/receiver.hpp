@@ -27,8 +27,8 @@ struct Successor {
 //   possible(guarded, effect)  the action breaks no integer part of an invariant; `guarded`: where its guard holds
 //   expect(effect)             the zone of a successor is going to be computed
 //   enters(entry, invariant)   optional: whether the step goes on from here, where no time has passed yet; if not, the
-//                              receiver has dealt with it. Processes are not sorted yet, so that a receiver that takes
-//                              parts of what it is given here is only for programs without interchangeable ones
+//                              receiver has dealt with it. Processes are not sorted yet: `ZoneGraph::sorted` does that
+//                              for a receiver that takes parts of what it is given here
 //   wants(successor)           whether this successor is of interest; its zone is not abstracted yet, because most
 //                              successors end here
 //   take(successor)            the successor, abstracted

@@ -84,6 +84,17 @@ class ZoneGraph final {
     abstraction_.apply(slots, zone, take);
   }
 
+  // Calls take(successor) for an abstract successor, with its processes sorted where they are interchangeable.
+  template <class Take>
+  void sorted(const Successor& successor, Take&& take) {
+    if (!representatives_.active()) return take(successor);
+    sorted_slots_.assign(successor.slots, successor.slots + program_.slots.size());
+    zones::ZoneBuffer zone(operations_);
+    zone.assign(successor.zone);
+    representatives_.sort(sorted_slots_.data(), zone);
+    take(Successor{successor.edges, sorted_slots_.data(), zone.get()});
+  }
+
   // True if a zone may be dropped for one that simulates it where only what can be reached matters: the constants that
   // count are known, and time passes for all clocks alike.
   bool knows_simulation() const {
@@ -140,6 +151,7 @@ class ZoneGraph final {
   EquivalentProcesses equivalent_;
   Effect effect_;
   zones::ZoneBuffer target_;
+  std::vector<std::int32_t> sorted_slots_;
   std::uint32_t actions_ = 0;  // that have been visited, for the next check of the time
 };
 

@@ -33,10 +33,10 @@ def find_avoiding_run(
     """Look for a run that never meets ``avoided``: from the initial state, or from any reachable state of ``begins``
     that is none of ``avoided``.
 
-    Where processes of the program are interchangeable, which must leave both predicates as they are and is only for
-    predicates that do not depend on clocks, one state stands for all that exchanges make of it. A loop that leads to an
-    exchange of where it began can be gone round again, exchanged, and comes back to where it began after some rounds.
-    If there is no run, that is the answer; a run is searched again among all states, to have its states.
+    Where processes of the program are interchangeable, which must leave both predicates as they are, one state stands
+    for all that exchanges make of it. A loop that leads to an exchange of where it began can be gone round again,
+    exchanged, and comes back to where it began after some rounds. If there is no run, that is the answer; a run is
+    searched again among all states, to have its states.
 
     The clock bounds of the program must count the constants of both predicates as lower and as upper bounds, so that
     a zone is never widened across the border of one. Ctrl-C ends the search with the reason INTERRUPTED.

@@ -30,7 +30,6 @@ from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import DiscreteState, TimedState, TimedTrace
-from tachk.model.traversal import asks_deadlock, clock_in
 from tachk.transform.accompanied_run import accompanied
 from tachk.transform.doubled_edges import DoubledNetwork, strongly_non_zeno
 from tachk.transform.liveness_slice import liveness_preserving_slice
@@ -212,7 +211,7 @@ def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> Searched
     avoided, begins, options = _goal(query), query.begins, problem.options
     program, goal, trigger = lower_obligation(model.network, avoided, begins)
     conditions = [one for one in (avoided, begins) if one is not None]
-    if options.symmetry and not any(asks_deadlock(one) or clock_in(one) is not None for one in conditions):
+    if options.symmetry:
         program = with_symmetry(program, model.network, conditions)
     outcome = find_avoiding_run(program, goal, trigger, options, problem.limits)
     return SearchedRun(outcome, Obligation(avoided, begins, query.again, query.ends))

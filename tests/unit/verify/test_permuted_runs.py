@@ -16,7 +16,13 @@ SOMEBODY = "(exists (i : pid_t) P(i).request) --> (exists (i : pid_t) P(i).waiti
 
 @pytest.mark.parametrize(
     ("query", "most"),
-    [(SOMEBODY, 1_000), ("P(1).request --> P(1).waiting", 6_000)],
+    [
+        (SOMEBODY, 1_000),
+        ("P(1).request --> P(1).waiting", 6_000),
+        ("P(1).request && P(1).x > 0 --> P(1).waiting", 6_000),
+        ("P(1).request --> P(1).x > 10 || P(1).waiting", 6_000),
+        ("P(1).request --> deadlock || P(1).waiting", 8_000),
+    ],
 )
 @pytest.mark.parametrize("options", [Options(), Options(proof_after=NEVER)])
 def test_what_holds_of_many_processes(query: str, most: int, options: Options) -> None:
@@ -63,7 +69,7 @@ system P;
     ("query", "holds", "sorts"),
     [
         ("A<> exists (i : int[1, 3]) P(i).done", True, True),
-        ("A<> exists (i : int[1, 3]) P(i).done && P(i).x > 0", True, False),
+        ("A<> exists (i : int[1, 3]) P(i).done && P(i).x > 0", True, True),
         ("A<> exists (i : int[1, 3]) P(i).done && P(i).x > 1", False, False),
         ("A<> forall (i : int[1, 3]) P(i).done", True, True),
         ("A<> (exists (i : int[1, 3]) P(i).again) && (exists (i : int[1, 3]) P(i).start)", False, True),

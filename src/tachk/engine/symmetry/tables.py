@@ -22,8 +22,11 @@ from tachk.model.variable_layout import VariableLayout, variable_layout
 
 
 def with_symmetry(program: Program, network: Network, predicates: Sequence[Expression]) -> Program:
-    """The program with the symmetry tables of its network; its goals are the predicates."""
-    if not coarse_partition(network).repeats:
+    """The program with the symmetry tables of its network; its goals are the predicates.
+
+    Where clocks are compared with each other a state may have several zones, and the core permutes nothing.
+    """
+    if program.diagonals or not coarse_partition(network).repeats:
         return program
     tables = [table for _, table in tables_of(network, find_symmetry(network, predicates))]
     return replace(program, interchangeable=tuple(table for table in tables if isinstance(table, Table)))
