@@ -13,6 +13,7 @@ import pytest
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.optional_packages import MissingPackageError
+from tachk.recordings.traces.logs import trace_mdf
 from tachk.recordings.traces.trace_files import open_trace
 
 SECOND = 10**9
@@ -251,6 +252,30 @@ def test_channels_of_mdf_are_columns_and_groups_have_their_own_rates(tmp_path: P
     path.write_text("no")
     with pytest.raises(UsageError, match="is not a readable MDF file"):
         open_trace(path)
+
+
+@pytest.mark.parametrize(("version", "ending"), [("4.10", "mf4"), ("3.30", "mdf")])
+def test_mdf_in_pieces_is_the_same_trace(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, version: str, ending: str
+) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    path = tmp_path / f"log.{ending}"
+    times = np.arange(3000) / 100
+    with asammdf.MDF(version=version) as file:
+        words = np.array([b"P", b"long"])[np.arange(3000) // 1700]
+        file.append(
+            [
+                asammdf.Signal(np.arange(3000) / 7, times, name="Speed"),
+                asammdf.Signal(words, times, name="Gear", encoding="utf-8"),
+            ]
+        )
+        file.save(path, overwrite=True, compression=2)
+    whole = open_trace(path).read()
+    monkeypatch.setattr(trace_mdf, "_PIECE", 1000)
+    pieces = open_trace(path).read()
+    assert np.array_equal(whole.times, pieces.times)
+    assert whole.labels == pieces.labels == ("P", "long")
+    assert all(np.array_equal(whole.columns[name], pieces.columns[name]) for name in ("Speed", "Gear"))
 
 
 def test_a_damaged_mdf_file_has_no_records_behind_its_end(tmp_path: Path) -> None:

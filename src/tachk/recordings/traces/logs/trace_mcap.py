@@ -320,11 +320,13 @@ _scan: Callable[[str, int], tuple[Any, int]] = json.JSONDecoder().scan_once  # t
 def _json(data: bytes) -> Any:
     """As `json.loads`, and quicker where nothing stands around the value."""
     if data.startswith(b'{"'):  # so it is UTF-8
-        with suppress(ValueError, StopIteration, RecursionError):
+        try:
             text = data.decode("utf-8", "surrogatepass")
             value, end = _scan(text, 0)
             if end == len(text):
                 return value
+        except (ValueError, StopIteration, RecursionError):  # json.loads says what is wrong
+            pass
     return json.loads(data)
 
 

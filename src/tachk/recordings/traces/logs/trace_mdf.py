@@ -21,6 +21,9 @@ from tachk.recordings.traces.trace import Trace, TraceSource
 from tachk.recordings.traces.trace_arrays import TableRecording
 from tachk.recordings.traces.trace_header import TraceHeader, agreed_unit, no_such_column, without_unit
 
+_PIECE: Final = 1 << 22
+"""Bytes of the records of a group that asammdf holds at a time; else 256 MiB, and what is decompressed for them."""
+
 _LARGEST_RATIO: Final = 1100
 """No byte of deflate stands for more bytes than this."""
 
@@ -59,16 +62,24 @@ class MdfRecording:
                     raise UsageError(f"{self.name}: channel {name!r} never has a value")
                 cells = (signal.timestamps, plain_texts(signal.samples))
                 tables.append(TableRecording(self.name, TraceHeader(("time", name), 0, "s"), cells))
-            masters = [file.get_master(group) for group in range(len(file.groups))]
-        ends = [float(times[-1]) for times in masters if len(times)]
-        if not ends:
+            spans = list(_spans(file))
+        if not spans:
             raise UsageError(f"{self.name} has no samples", "the verdict needs at least the state at the beginning")
+        end = max(last for _, last in spans)
         if not tables:
-            first = min(float(times[0]) for times in masters if len(times))
-            return TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([first, max(ends)],)).read()
-        tables.append(TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([max(ends)],)))
+            first = min(first for first, _ in spans)
+            return TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([first, end],)).read()
+        tables.append(TableRecording(self.name, TraceHeader(("time",), 0, "s"), ([end],)))
         places = {name: (place, name) for place, name in enumerate(wanted)}
         return JoinedRecording(self.name, tuple(tables), places).read(names)
+
+
+def _spans(file: Any) -> Iterator[tuple[float, float]]:
+    """The first and the last time of each group that has samples."""
+    for group in range(len(file.groups)):
+        times = file.get_master(group)
+        if len(times):
+            yield float(times[0]), float(times[-1])
 
 
 def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
@@ -98,6 +109,7 @@ def open_mdf(path: Path, time: str | None, unit: str | None) -> TraceSource:
 def _opened_file(path: Path) -> Iterator[Any]:
     with library_errors(path, "MDF file"), _opened(path) as file:
         _check_places(file, path)
+        file.configure(read_fragment_size=_PIECE)
         yield file
 
 
