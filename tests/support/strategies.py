@@ -51,7 +51,10 @@ def with_states(monkeypatch: pytest.MonkeyPatch, name: str, states: int) -> None
 
 
 def with_search_budgets(monkeypatch: pytest.MonkeyPatch, name: str | None = None, **budget: Any) -> None:
-    """Changes fields of the search of the portfolio of this name; without a name, of those that have a budget."""
+    """Changes fields of the search of the portfolio of this name; without a name, of those that have a budget.
+
+    Where it says after how much work, there is no turn before."""
+    budget = {"early_work": 0, **budget} if "after" in budget else budget
     chosen = [row.name for row in PORTFOLIO if (row.is_bounded if name is None else row.name == name)]
     rows = [replace(row, **budget) if row.name in chosen else row for row in zone.PORTFOLIO]
     monkeypatch.setattr(zone, "PORTFOLIO", tuple(rows))

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     GoalSearch = _core.Explorer | _core.LocalExplorer | SimulatedRuns
 
 _STEP = 256
+_HUNDREDTHS_OF_A_SECOND, _WORK_BEFORE_AN_EDGE = 5_000, 75
+"""The work of some, and how much of it for each edge of a program: turns after that are so small, and begin so soon,
+that they are not noticed."""
 _EARLY, _LARGE_ZONE = 500, 10_000
 _TENTH_OF_A_SECOND = 20_000
 """The work of about so long. Where less is enough the search answers by itself: others find longer runs."""
@@ -73,6 +76,8 @@ class SearchStrategy:
         long_share: the same where the ordinary search takes long.
         sample: after how many explored states it is looked at whether the search pays.
         pays: whether it goes on after the sample.
+        early_work: the budget of a turn before the first one, after hundredths of a second; 0: there is none.
+        next_turn: that behind this one, if it is not one with a budget in proportion.
     """
 
     name: str
@@ -87,6 +92,8 @@ class SearchStrategy:
     long_share: float = 0.0
     sample: int = 0
     pays: Callable[[GoalSearch, int], bool] = lambda search, explored: True
+    early_work: int = 0
+    next_turn: SearchStrategy | None = None
 
     @property
     def is_bounded(self) -> bool:
@@ -102,8 +109,17 @@ class SearchStrategy:
         free = options.order is SearchOrder.AUTO and not options.shortest
         return of_use and free and "attempts" not in options.without
 
+    def from_the_start(self, program: Program) -> SearchStrategy:
+        """The row for its first turn of all."""
+        after = max(_HUNDREDTHS_OF_A_SECOND, _WORK_BEFORE_AN_EDGE * len(program.edges))
+        if not self.early_work or after >= self.after:
+            return self
+        return replace(self, after=after, work=self.early_work, explored=None, next_turn=self)
+
     def later(self) -> SearchStrategy:
         """The row for its next turn."""
+        if self.next_turn is not None:
+            return self.next_turn
         assert self.work is not None
         after = max(2 * self.after, int(2 * self.work / self._share_at(self.after)))
         return replace(self, after=after, work=int(after * self._share_at(after)), explored=None)
@@ -261,6 +277,7 @@ PORTFOLIO = (
         Exactness.REACHABLE,
         after=_TENTH_OF_A_SECOND,
         work=2_500,
+        early_work=150,
         share=1 / 64,
         long_share=1 / 8,
     ),
@@ -279,6 +296,7 @@ PORTFOLIO = (
         Exactness.REACHABLE,
         after=_TENTH_OF_A_SECOND,
         work=500,
+        early_work=100,
         share=1 / 64,
         long_share=1 / 32,
     ),
@@ -299,6 +317,7 @@ PORTFOLIO = (
         Exactness.REACHABLE,
         after=2 * _TENTH_OF_A_SECOND,
         work=5_000,
+        early_work=400,
         fitted=_with_many_processes,
         share=1 / 64,
         long_share=1 / 32,

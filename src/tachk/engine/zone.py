@@ -127,7 +127,7 @@ def _search(program: Program, goals: Sequence[Goal], options: Options, limits: L
 def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended:
     """How the first search ended that decides, or that is stopped. Raises MemoryError and OutOfMemoryError."""
     options, ordinary = problem.options, problem.ordinary
-    fitted = (row.fitted(row, problem) for row in PORTFOLIO)
+    fitted = (row.fitted(row, problem).from_the_start(problem.program) for row in PORTFOLIO)
     turns = [row for row in fitted if row.is_allowed(options, problem.limits)]
     tried: dict[str, GoalSearch] = {}
     main = _MainSearch(problem, begun)

@@ -36,7 +36,7 @@ process P(const id_t me) {
 }
 system P;
 """
-STORED = 40_000
+STORED = 5_000
 """So much work is done before the first of the other attempts."""
 REACHED = "E<> forall (i : id_t) count[i] == 7"
 NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
@@ -51,11 +51,27 @@ def verdict(query: str, options: Options = ALL_STATES, limits: Limits | None = N
 def test_what_nothing_hinders_is_found_soon_after_many_states() -> None:
     found = verdict(REACHED)
     assert found.answer is Answer.HOLDS
-    assert STORED / 2 < found.statistics.states_stored < STORED
+    assert STORED < found.statistics.states_stored < 1.2 * STORED
     assert found.strategy == "probe"
     assert found.trace is not None
     more = Limits(states=3 * STORED)
     assert verdict(REACHED, ALL_STATES.off("attempts"), more).answer is Answer.UNKNOWN
+
+
+def test_a_small_turn_comes_before_the_first_one_of_a_budget_in_proportion(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Program] = []
+    with_search_budgets(monkeypatch, after=100)
+    with_search_budgets(monkeypatch, "probe", begin=lambda problem: seen.append(problem.program))
+    verdict(REACHED, limits=Limits(states=200))
+    (compiled,) = seen
+    probe = portfolio.PORTFOLIO[-1]
+    early = probe.from_the_start(compiled)
+    assert (early.after, early.work, early.explored) == (STORED, probe.early_work, None)
+    assert early.later() is probe and probe.later().after > probe.after
+    assert replace(probe, early_work=0).from_the_start(compiled).after == probe.after
+    many = replace(compiled, edges=compiled.edges[:1] * 200)
+    assert early.after < probe.from_the_start(many).after < probe.after
+    assert probe.from_the_start(replace(many, edges=many.edges * 100)) is probe
 
 
 def test_the_time_of_both_searches_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
