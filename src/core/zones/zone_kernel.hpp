@@ -412,8 +412,8 @@ struct Kernel {
     bool others = false;  // whether there is a row that is none of the following:
     RowSet freed;         // rows that lose every finite entry
     RowSet closed;        // rows in which no entry is raised: as no way has become shorter, they are closed as they are
-    RowSet
-        closed_by_zero;  // rows in which only columns are raised that all rows lose but that of 0: it has the last step
+    // Rows in which only columns are raised that all rows lose but that of 0, which has the last step of ways there.
+    RowSet closed_by_zero;
     for (int i = 1; i < dimension; ++i) {
       T* row_i = row(zone, dimension, i);
       const bool above_lower = first[i] < -2 * lower_bounds[i];
