@@ -71,29 +71,29 @@ bool LivenessSearch::advance() {
   switch (overview_.stage) {
     case Stage::reaching:
       overview_.depth_first = is_time_for_depth_first();
-      if (overview_.depth_first)
-        descend();
-      else
-        reach();
+      if (overview_.depth_first) return descend() || overview_.begins;
+      reach();
       return true;
     case Stage::proving:
       return prove();
     case Stage::descending:
       break;
   }
-  if (!overview_.begins && overview_.proves && nested_.explored() >= options_.proof_after)
-    overview_.stage = Stage::reaching;
-  else
-    return descend();
+  if (overview_.begins || !overview_.proves || nested_.explored() < options_.proof_after) return descend();
+  overview_.stage = Stage::reaching;
+  overview_.explored_before = nested_.explored();
   return true;
 }
 
 // True if a step depth first comes before the next one on the way to all states: of p --> q, from the states reached so
-// far. A run is then found before all are reached, and what those steps cost stays a small part.
+// far. A run is then found before all are reached, and what those steps cost stays a small part. Without p such steps
+// may also end the search: all states are finished then.
 bool LivenessSearch::is_time_for_depth_first() const {
   const Reachable& reachable = overview_.reachable;
-  return overview_.begins && options_.depth_first && nested_.explored() * 8 < reachable.explored() &&
-         (!nested_.idle() || overview_.next < reachable.states().size());
+  const std::uint64_t explored = nested_.explored() - overview_.explored_before;
+  if (!options_.depth_first || explored * 8 >= reachable.explored()) return false;
+  if (!overview_.begins) return !nested_.idle() || nested_.complete();
+  return !nested_.idle() || overview_.next < reachable.states().size();
 }
 
 // Expands one state on the way to all states.

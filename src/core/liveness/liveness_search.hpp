@@ -5,7 +5,7 @@
 // whether a run can end in it (Ends). Of `p --> q` the runs begin in each reachable state in which p holds and q does
 // not, and share the finished states.
 //
-// Of `p --> q` a small part of the steps is taken depth first while the states are being reached: a run is found early.
+// A small part of the steps is taken depth first while the states are being reached: a run is found early.
 //
 // Before it, or once it has taken a while, a search breadth first looks for a proof that there is no run
 // (CoveredGraph): depth first, runs are found soon, but to see that there is none takes several times as many states.
@@ -74,6 +74,7 @@ class LivenessSearch final {
     std::uint32_t begun = states::no_node;  // the reached state in which the path begins
     std::uint32_t next = 0;                 // the next one that is looked at
     bool depth_first = false;               // reaching: whether the step at hand is depth first
+    std::uint64_t explored_before = 0;      // reaching: how many states had been explored depth first before
     bool met = false;                       // whether p holds in one of the reached states
     bool complete = true;                   // reaching: whether the limit on depth has left nothing out
     zones::InPieces pieces = {};

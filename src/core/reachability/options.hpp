@@ -22,7 +22,7 @@ struct Options : symbolic::ZoneGraphOptions, states::StoreOptions {
   bool shortest = false;  // breadth first only: no path to a goal is shorter than the one that is found
   // For liveness: after so many states depth first a short proof is looked for; of p --> q at once; UINT32_MAX: never.
   std::uint32_t proof_after = 2000;
-  bool depth_first = true;  // for p --> q: depth first from the states reached so far, on the way to all states
+  bool depth_first = true;  // for runs that avoid a goal: steps depth first on the way to all states
 };
 
 struct Limits {

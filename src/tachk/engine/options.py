@@ -101,10 +101,10 @@ REDUCTIONS = {
     "longer come to what the goal asks, whatever everybody else does: a backward search over the locations of one "
     "process and the intervals of one of its clocks, or over the values of one variable. Not where a run-time error "
     "may lie ahead, clocks stop, or the goal contains `deadlock`, nor for largest and smallest values.",
-    "attempts": "for `-->`: on the way to all states, explore up to one state for every eight depth first, so that a "
-    "run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, explore up to 5,000 "
-    "as with `partial_order`, if that is of use in a quarter of the first 256, and then 1,500 depth first with "
-    "processes that keep their places, each in a search of its own; not with `shortest`.",
+    "attempts": "for `A<>`, `E[]` and `-->`: on the way to all states, explore up to one state for every eight depth "
+    "first, so that a run is found early. For `E<>` and `A[]` with the order `AUTO`: once 20,000 states are stored, "
+    "explore up to 5,000 as with `partial_order`, if that is of use in a quarter of the first 256, and then 1,500 "
+    "depth first with processes that keep their places, each in a search of its own; not with `shortest`.",
     "cone": "freeze processes that cannot influence the answer (cone of influence).",
     "symmetry": "search one state for all that differ by an exchange of interchangeable processes.",
     "local-times": "let each process have a time of its own in a search, where that is sound and seems to save states.",

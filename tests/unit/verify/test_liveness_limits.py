@@ -103,3 +103,22 @@ property met : A<> P.b;
     monkeypatch.setattr(liveness, "SECONDS_FOR_DELAYS", 0.0)
     verdict = verdicts(text)["met"]
     assert verdict.answer is Answer.UNKNOWN and verdict.trace is None and not verdict.exact
+
+
+GOING_ROUND = """\
+process P(const int[0, 8] me) {
+    clock x;
+    init location a { invariant x <= 3; to b { guard x >= 1; assign x = 0; } }
+    location b { invariant x <= 3; to c { guard x >= 1; assign x = 0; } }
+    location c { invariant x <= 3; to a { guard x >= 1; assign x = 0; } }
+}
+system P;
+property met : A<> P(0).c && P(1).c;
+"""
+
+
+def test_a_run_is_found_during_the_search_for_a_proof(verdicts) -> None:
+    """Depth first it takes a few more states than are explored before the proof, which has no end here."""
+    limits = Limits(states=60_000)
+    assert verdicts(GOING_ROUND, limits=limits)["met"].answer is Answer.FAILS
+    assert verdicts(GOING_ROUND, options=Options().off("attempts"), limits=limits)["met"].reason == "state limit"
