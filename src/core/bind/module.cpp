@@ -24,6 +24,7 @@
 #include "offline.hpp"
 #include "online.hpp"
 #include "reachability/explorer.hpp"
+#include "searching/estimation.hpp"
 #include "searching/liveness.hpp"
 #include "searching/localtime.hpp"
 #include "searching/patiently.hpp"
@@ -194,6 +195,7 @@ NB_MODULE(_core, m) {
   bind_options(m);
   bind_explorer(m);
   bind_certificates(m);
+  bind_estimation(m);
   bind_liveness(m);
   bind_localtime(m);
   bind_csv(m);

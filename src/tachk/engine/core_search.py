@@ -29,6 +29,13 @@ _REASONS = {
     _core.Status.CONSTANT_LIMIT: "clock values that are too large",
 }
 RUN_TIME_ERROR = _REASONS[_core.Status.FAULT]
+
+
+def reason_of(status: _core.Status) -> str:
+    """Why a search ended without a result, as reports say it; empty if it has one."""
+    return _REASONS.get(status, "")
+
+
 _SLICE_SECONDS = 0.1
 
 
@@ -107,7 +114,7 @@ def run_in_slices(search: RunningSearch, start: float) -> tuple[_core.Status, st
         except MemoryError:
             return _core.Status.RUNNING, MACHINE_OUT_OF_MEMORY
         if status is not _core.Status.RUNNING:
-            return status, _REASONS.get(status, "")
+            return status, reason_of(status)
         now = time.perf_counter()
         if now - begun < _SLICE_SECONDS / 2:
             slice_size *= 2

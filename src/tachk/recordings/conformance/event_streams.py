@@ -108,9 +108,9 @@ def make_streams(
     spread = max(tolerance, late)
     origin = first - spread / scale if recording.start is None else recording.start
     modelled = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
-    reader = _EventStreamReader(mapping, recording, constants)
+    reader = EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
-    outgoing = [_is_output(visible, modelled) for visible, _, _ in entries]
+    outgoing = [is_output(visible, modelled) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
     clock = _RecordingClock.of(recording, origin, scale, (tolerance, late))
@@ -272,7 +272,7 @@ def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tupl
     return ((stream, position + 1),)
 
 
-def _is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
+def is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
     """True if what is left of the model sends these events, and not what is outside."""
     if visible.direction is not None:
         return visible.direction is Direction.SEND
@@ -356,34 +356,45 @@ def _clause_of(number: int, visible: VisibleEvents) -> _RecordingClause:
     return _RecordingClause(number, names, tuple(limited), per, visible.words)
 
 
-class _EventStreamReader:
-    """Sorts the events of a recording into streams."""
+class EventStreamReader:
+    """Sorts events into streams."""
 
     def __init__(self, mapping: RecordingMap, recording: EventLog, constants: Constants) -> None:
+        """The recording gives messages its name, and words for values; its events are sorted by `entries`."""
         self.mapping = mapping
         self.recording = recording
         self.constants = constants
         self.other = 0
         self.names: dict[str, dict[int, str]] = {}
         self.read: dict[tuple[str, str], int | None] = {}
+        self._named: dict[str, list[_RecordingClause]] = {}
+        for number, visible in enumerate(mapping.visible):
+            self._named.setdefault(visible.event, []).append(_clause_of(number, visible))
         for column, words in recording.words.items():
             for word in words:
                 self._name(column, word, constants(word))
 
     def entries(self) -> list[_Entry]:
         entries: dict[tuple[int, tuple[int | None, ...]], _Entry] = {}
-        named: dict[str, list[_RecordingClause]] = {}
         for number, visible in enumerate(self.mapping.visible):
             for values in product(*(index_range(index_type(v)) for v in visible.per)):
                 entries[number, values] = (visible, dict(zip(visible.per, values, strict=True)), [])
-            named.setdefault(visible.event, []).append(_clause_of(number, visible))
         for position, event in enumerate(self.recording.events):
-            if event.name not in named:
+            placed = self.place(event)
+            if placed is None:
                 self.other += 1
-                continue
-            clause, said = self._clause(event, named[event.name])
-            entries[clause.number, tuple([said[n] for n in clause.per])][2].append((position, said))
+            else:
+                clause, common, said = placed
+                entries[clause, common][2].append((position, said))
         return list(entries.values())
+
+    def place(self, event: RecordedEvent) -> tuple[int, tuple[int | None, ...], _Values] | None:
+        """The number of the clause that an event belongs to, what it has in common with its stream, and the values of
+        its columns; None if it is of no visible kind. Raises UsageError for an event that no clause allows."""
+        if event.name not in self._named:
+            return None
+        clause, said = self._clause(event, self._named[event.name])
+        return clause.number, tuple([said[n] for n in clause.per]), said
 
     def _clause(self, event: RecordedEvent, clauses: Sequence[_RecordingClause]) -> tuple[_RecordingClause, _Values]:
         """The clause that the event belongs to, and what its columns say."""

@@ -1,0 +1,193 @@
+// The states in which a system may be after what was seen of it: a set of symbolic states that goes along with events
+// as they are recorded, silence included (K. G. Larsen, M. Mikucionis, B. Nielsen, "Online testing of real-time systems
+// using Uppaal", 2004, section 4: "symbolic reachable state set"; delays of observations as in "Monitoring of timed
+// automata with delays", 2024).
+//
+// The first clock of the program is the time since the present moment, which each `advance` moves on; nothing resets it.
+// Events of a stream happen in their recorded order, those of different streams as their windows allow.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "program/program.hpp"
+#include "reachability/explorer.hpp"
+#include "symbolic/zone_graph.hpp"
+#include "zones/federation.hpp"
+#include "zones/zone_buffer.hpp"
+
+namespace tachk::estimation {
+
+using zones::Raw;
+
+// The value of a column of an event: a constant, or a slot at the end of the step. The slot holds its initial value
+// before the step and is given it back.
+struct EventColumn {
+  std::optional<std::uint32_t> slot;
+  std::int32_t value;
+};
+
+// A channel of which each synchronisation is an event.
+struct VisibleChannel {
+  std::int32_t channel;
+  std::uint32_t stream;
+  bool input;  // the environment sends
+  std::vector<EventColumn> columns;
+};
+
+// An event that was seen. It happened in [earliest, latest], counted from the present moment.
+struct Observation {
+  std::vector<std::optional<std::int32_t>> values;  // by column; none where it was not seen
+  Raw earliest;
+  Raw latest;
+  bool optional = false;  // it may also not have happened
+};
+
+// A time interval [low, high] of whole units that holds the exact one.
+struct Window {
+  Raw low;
+  Raw high;
+};
+
+struct PossibleEvent {
+  std::size_t channel;  // its place among the visible channels
+  std::vector<std::int32_t> values;
+  std::vector<Window> windows;  // apart, in their order
+};
+
+// When the system may not receive an input.
+struct Refusal {
+  std::size_t channel;
+  Window window;
+};
+
+// What may happen first if nothing is seen.
+struct Outlook {
+  std::vector<PossibleEvent> events;
+  std::vector<Refusal> refusals;
+  Raw silent_until = 0;  // silence may last so long, at least up to where was looked if it is that
+};
+
+// The first event of a run to an edge.
+struct Lead {
+  std::size_t channel;
+  std::vector<std::int32_t> values;
+  Window window;
+};
+
+class StateEstimate final {
+ public:
+  StateEstimate(program::Program program, const reachability::Options& options, const reachability::Limits& limits,
+                std::vector<VisibleChannel> channels, std::size_t streams);
+  StateEstimate(const StateEstimate&) = delete;
+  StateEstimate& operator=(const StateEstimate&) = delete;
+
+  // Adds an event behind those of its stream.
+  void observe(std::size_t stream, Observation observation);
+
+  // Begin an exploration, which `run` carries out: up to a moment, which becomes the present one; of what may happen
+  // first if nothing else is seen up to a moment; of whether all observations can happen, however the system goes on
+  // unseen; of runs that take one of these edges within a time.
+  void advance(Raw until);
+  void look_ahead(Raw until);
+  void conclude();
+  void seek(Raw until, const std::vector<std::uint32_t>& edges);
+
+  // Explores at most so many states; `running` asks for another call.
+  reachability::Status run(std::uint64_t expansions);
+
+  // How many symbolic states are possible at the present moment; none: the system is not as the model says.
+  std::size_t size() const { return present_.size(); }
+  // How many of the observations have happened in all of them, by stream, since the last call.
+  std::vector<std::size_t> take_settled() { return std::exchange(settled_, std::vector<std::size_t>(queues_.size())); }
+  std::uint64_t explored() const { return explored_; }
+  // The locations of the processes in each possible state.
+  std::vector<std::vector<std::int32_t>> locations() const;
+  const Outlook& outlook() const { return outlook_; }
+  // Whether all observations can happen, or an edge was found, and the first event of that run; none if no event comes
+  // before the edge.
+  bool found() const { return found_; }
+  const std::optional<Lead>& lead() const { return lead_; }
+
+ private:
+  enum class Aim : std::uint8_t { present, outlook, end, edge };
+  static constexpr std::uint32_t none = UINT32_MAX;
+
+  // A symbolic state with how many events of each stream have happened.
+  struct Node {
+    std::vector<std::int32_t> slots;
+    std::vector<std::uint32_t> positions;
+    zones::ZoneBuffer zone;
+    std::uint32_t lead = none;  // the first event on the way to it
+    bool covered = false;
+  };
+  using Key = std::vector<std::int32_t>;
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const;
+  };
+  // Nodes of which none covers another one.
+  struct Nodes {
+    std::vector<Node> nodes;
+    std::unordered_map<Key, std::vector<std::uint32_t>, KeyHash> places;
+  };
+  struct Following;
+
+  void begin(Raw until, Aim aim);
+  reachability::Status explore(std::uint64_t expansions);
+  void expand(std::uint32_t number);
+  void step(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant);
+  // Lets time pass in `scratch_` and stores it, with `positions_` and `lead_of_node_`.
+  void settle(std::int32_t* slots, const std::vector<zones::Atom>& invariant);
+  bool add(Nodes& nodes, const std::int32_t* slots, const std::vector<std::uint32_t>& positions,
+           zones::ConstZoneRef zone, std::uint32_t lead);
+  bool matches(const VisibleChannel& channel, const Observation& observation, const std::int32_t* slots) const;
+  std::size_t visible(std::span<const std::uint32_t> edges);
+  std::vector<std::int32_t> values(const VisibleChannel& channel, const std::int32_t* slots) const;
+  void forget(const VisibleChannel& channel, std::int32_t* slots) const;
+  Window window(zones::ConstZoneRef zone) const;
+  void note(std::size_t channel, std::vector<std::int32_t> values, Window window);
+  void note_refusals(std::uint32_t number);
+  bool is_through(const Node& node) const;
+  void finish();
+
+  reachability::Limits limits_;
+  symbolic::ZoneGraph graph_;
+  std::vector<VisibleChannel> channels_;
+  std::vector<std::size_t> visible_;  // by number of a channel, its place among the visible ones
+  std::vector<std::deque<Observation>> queues_;
+  std::vector<std::size_t> settled_;
+  std::vector<Node> present_;
+
+  // Of the exploration under way.
+  Aim aim_ = Aim::present;
+  Raw until_ = 0;
+  Nodes reached_;
+  std::uint32_t next_ = 0;
+  std::vector<bool> wanted_;  // edges
+  std::vector<Lead> leads_;
+  bool found_ = false;
+  std::optional<Lead> lead_;
+  Outlook outlook_;
+  std::uint64_t explored_ = 0;
+
+  // Of the node that is expanded.
+  symbolic::SymbolicState source_;
+  std::uint32_t number_ = none;
+  std::vector<std::uint32_t> positions_;
+  std::uint32_t lead_of_node_ = none;
+  zones::ZoneBuffer scratch_;
+  std::vector<zones::Atom> atoms_;
+  struct Accepted {
+    std::uint32_t edge;
+    zones::ZoneBuffer guarded;
+  };
+  std::vector<Accepted> accepted_;  // where the receivers of inputs are ready
+  std::uint32_t sender_ = none;
+  bool started_ = false;
+};
+
+}  // namespace tachk::estimation

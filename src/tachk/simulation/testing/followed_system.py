@@ -1,0 +1,165 @@
+"""A running system beside its model: what it may have done so far, and what may come next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from math import ceil, floor
+
+from tachk.base.records import dataclass
+from tachk.engine.options import Limits
+from tachk.engine.state_estimate import StateEstimate, Window
+from tachk.model.recording import RecordingMap
+from tachk.recordings.conformance.event_streams import Constants, EventStreamReader
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.simulation.testing.observed_network import LONGEST, ObservedNetwork, ObservedStream
+
+SOURCE = "the system"
+"""The name of what is followed, in messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class AllowedEvent:
+    """An event that may happen first if nothing else does.
+
+    Attributes:
+        cells: what it contains, by column.
+        windows: when, in units of the model since its start.
+        refusals: when a system as the model describes it may not be able to receive it; empty for an output.
+    """
+
+    name: str
+    cells: Mapping[str, Cell]
+    is_input: bool
+    windows: tuple[Window, ...]
+    refusals: tuple[Window, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class AllowedNext:
+    """Attributes:
+    events: that may happen first.
+    silent_until: nothing may be seen up to this moment, in units of the model since its start.
+    bounded: the silence must end then; otherwise no longer one was looked at.
+    """
+
+    events: tuple[AllowedEvent, ...]
+    silent_until: int
+    bounded: bool
+
+
+class FollowedSystem:
+    """The states in which a system may be that is as its model says.
+
+    Times are in units of the model since its start. An event that was seen at t happened in [t - late, t + tolerance] if
+    the system did it, in [t - tolerance, t + late] if it was an input, rounded outwards to whole units; as
+    `tachk conform` has it.
+
+    Attributes:
+        moment: what happened until then has been seen, and the states are those of this moment.
+    """
+
+    def __init__(
+        self,
+        observed: ObservedNetwork,
+        mapping: RecordingMap,
+        constants: Constants,
+        tolerance: Fraction,
+        late: Fraction,
+        limits: Limits,
+    ) -> None:
+        self.moment = 0
+        self._observed = observed
+        self._tolerance = tolerance
+        self._late = late
+        self._mapping = mapping
+        self._reader = EventStreamReader(mapping, EventLog(SOURCE, (), None, None, Fraction(0)), constants)
+        self._streams = {_key(mapping, stream): n for n, stream in enumerate(observed.streams)}
+        self._estimate = StateEstimate(
+            observed.program, observed.channels, len(observed.streams), limits=limits
+        )
+        self._estimate.advance(0)
+
+    @property
+    def is_as_modelled(self) -> bool:
+        """False if no state is left: what was seen is no run of the model."""
+        return self._estimate.size > 0
+
+    @property
+    def states(self) -> int:
+        """The number of symbolic states in which the system may be."""
+        return self._estimate.size
+
+    @property
+    def explored(self) -> int:
+        return self._estimate.explored
+
+    def observe(self, event: RecordedEvent) -> bool:
+        """Adds an event that was seen, an input or an output; False if it is of no visible kind.
+
+        Raises UsageError for one that no `visible` of the model allows.
+        """
+        placed = self._reader.place(event)
+        if placed is None:
+            return False
+        clause, common, values = placed
+        stream = self._streams[clause, common]
+        is_input = self._observed.streams[stream].is_input
+        before, behind = (self._tolerance, self._late) if is_input else (self._late, self._tolerance)
+        window = (floor(event.time - before) - self.moment, ceil(event.time + behind) - self.moment)
+        self._estimate.observe(stream, values, window)
+        return True
+
+    def advance(self, time: Fraction) -> None:
+        """Takes note that everything has been seen that was recorded up to a time. Raises EstimateLimitError."""
+        self._move_to(floor(time - max(self._tolerance, self._late)))
+
+    def ends_as_modelled(self, time: Fraction) -> bool:
+        """True if what was seen up to the end of the recording is a run of the model; what happened less than the
+        lateness before may not have been recorded. Raises EstimateLimitError."""
+        self._move_to(max(floor(time - self._late), 0))
+        return self.is_as_modelled and self._estimate.can_conclude()
+
+    def _move_to(self, moment: int) -> None:
+        while moment > self.moment and self._estimate.size:
+            step = min(moment - self.moment, LONGEST // 2)
+            self._estimate.advance(step)
+            self.moment += step
+
+    def allowed(self, until: int) -> AllowedNext:
+        """What may happen first if nothing more is seen, up to a moment. Raises EstimateLimitError."""
+        length = min(max(until - self.moment, 0), LONGEST // 2)
+        outlook = self._estimate.outlook(length)
+        refusals: dict[int, list[Window]] = {}
+        for channel, window in outlook.refusals:
+            refusals.setdefault(channel, []).append(self._since_start(window))
+        events = tuple(
+            AllowedEvent(
+                stream.visible.event,
+                self._cells(stream, step.values),
+                stream.is_input,
+                tuple(map(self._since_start, step.windows)),
+                tuple(refusals.get(step.channel, ())),
+            )
+            for step in outlook.steps
+            for stream in (self._observed.streams[self._observed.channels[step.channel].stream],)
+        )
+        return AllowedNext(events, self.moment + outlook.silent_until, outlook.silent_until < length)
+
+    def _since_start(self, window: Window) -> Window:
+        return window[0] + self.moment, window[1] + self.moment
+
+    def _cells(self, stream: ObservedStream, values: tuple[int, ...]) -> dict[str, Cell]:
+        """The cells of an event, with words for locations."""
+        words = stream.visible.words
+        cells: dict[str, Cell] = {}
+        for (name, _), value in zip(stream.visible.columns, values, strict=True):
+            named = {number: word for word, number in words.get(name, {}).items()}
+            cells[name] = named.get(value, value)
+        return cells
+
+
+def _key(mapping: RecordingMap, stream: ObservedStream) -> tuple[int, tuple[int, ...]]:
+    number = next(n for n, visible in enumerate(mapping.visible) if visible is stream.visible)
+    return number, tuple(stream.common.values())
+

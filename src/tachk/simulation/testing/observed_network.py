@@ -1,0 +1,276 @@
+"""A network that notes what events contain, for the set of states that goes along with a system.
+
+What a `recording { ... }` replaces is the environment here: it stays in the network, and what it sends are the inputs of
+the system (Larsen, Mikucionis, Nielsen, "Online testing of real-time systems using Uppaal", 2004: a closed network of
+the implementation and its environment). Each visible step copies the columns of its event into variables, at its end: a
+process that receives broadcasts last does so, or the receiver of a step of two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator
+from tachk.base.records import dataclass, replace
+from tachk.base.words import Direction
+from tachk.engine.compiler.lower import lower
+from tachk.engine.compiler.program import Program
+from tachk.engine.state_estimate import VisibleChannel
+from tachk.frontend.expressions.folded_expressions import substitute
+from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
+from tachk.model.expressions import (
+    BOOL,
+    Assign,
+    Binary,
+    Conditional,
+    Constant,
+    Expression,
+    Index,
+    Reference,
+    Variable,
+    VariableKind,
+)
+from tachk.model.network import Edge, Network, Process
+from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.traversal import written_variables
+from tachk.model.types import ChannelType, IntType, element_type
+from tachk.recordings.conformance.event_streams import (
+    channel_variable,
+    element,
+    index_range,
+    index_type,
+    is_output,
+)
+
+LONGEST = 1 << 24
+"""Units of the model: no moment is so far from the present one."""
+_ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
+
+IndexValues = Mapping[Variable, Expression]
+
+
+@dataclass(frozen=True, slots=True)
+class ObservedStream:
+    """Events that are seen in the order in which they happen.
+
+    Attributes:
+        common: the values of the indices that they have in common.
+        is_input: the environment sends them.
+    """
+
+    visible: VisibleEvents
+    common: Mapping[Variable, int]
+    is_input: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ObservedNetwork:
+    """Attributes:
+    network: with the clock of the present moment first, and with the variables for columns.
+    streams: by number.
+    channels: the visible channels of the program.
+    """
+
+    network: Network
+    program: Program
+    streams: tuple[ObservedStream, ...]
+    channels: tuple[VisibleChannel, ...]
+
+
+def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork:
+    """The network with what events contain; locations in columns are variables already.
+
+    Raises UsageError for a model that cannot be followed while it runs, UnsupportedError.
+    """
+    if network.has_priorities:
+        raise UsageError("a model with priorities cannot test a system", "leave out the priorities")
+    builder = NetworkBuilder("observed.", VariableKind.GLOBAL)
+    clock = builder.clock("now")
+    present = _present(clock)
+    noted = [_noted(builder, number, visible) for number, visible in enumerate(mapping.visible)]
+    processes = list(network.processes)
+    added = [present]
+    for number, (visible, variables) in enumerate(zip(mapping.visible, noted, strict=True)):
+        if _is_broadcast(visible):
+            added.append(_noting_process(number, visible, variables))
+        else:
+            processes = [_noting_receiver(process, visible, variables) for process in processes]
+    whole = replace(
+        network,
+        processes=(*processes, *added),
+        variables=(*builder.variables, *network.variables),
+        signals=(),
+        hidden=(*network.hidden, *(process.name for process in added)),
+    )
+    program, _ = lower(whole)
+    streams, channels = _streams(network, mapping, program, noted)
+    return ObservedNetwork(whole, program, streams, channels)
+
+
+def _present(clock: Term) -> Process:
+    """Keeps the clock of the present moment among those that count."""
+    process = ProcessBuilder("present.", VariableKind.LOCAL, name="present")
+    here = process.location("present", clock <= LONGEST)
+    process.edge(here, here, guard=clock >= LONGEST)
+    return process.build()
+
+
+def _is_broadcast(visible: VisibleEvents) -> bool:
+    type_ = element_type(visible.channel.type)
+    return isinstance(type_, ChannelType) and type_.broadcast
+
+
+def _noted(builder: NetworkBuilder, number: int, visible: VisibleEvents) -> dict[str, Term]:
+    """A variable for each column that is not known from the channel."""
+    return {
+        name: builder.declare(f"seen[{number}].{name}", _ANYTHING, 0)
+        for name, expression in visible.columns
+        if not _is_of_channel(visible, expression)
+    }
+
+
+def _is_of_channel(visible: VisibleEvents, column: Expression) -> bool:
+    match column:
+        case Constant():
+            return True
+        case Reference(variable):
+            return variable in visible.indices
+        case _:
+            return False
+
+
+def _cases(visible: VisibleEvents) -> Iterator[dict[Variable, int]]:
+    """The values of the indices, one for each element of the channel."""
+    free = [index for index in visible.indices if isinstance(index, Variable)]
+    for values in product(*(index_range(index_type(variable)) for variable in free)):
+        yield dict(zip(free, values, strict=True))
+
+
+def _assignments(visible: VisibleEvents, noted: Mapping[str, Term], indices: IndexValues) -> Iterator[Term]:
+    for name, expression in visible.columns:
+        if name in noted:
+            yield noted[name].assign(Term(substitute(expression, indices, set())))
+
+
+def _noting_process(number: int, visible: VisibleEvents, noted: Mapping[str, Term]) -> Process:
+    process = ProcessBuilder("noting.", VariableKind.LOCAL, name=f"noting[{number}]")
+    here = process.location("noting")
+    for case in _cases(visible):
+        indices = {variable: Constant(value) for variable, value in case.items()}
+        channel = Term(element(visible.channel, _indices(visible, indices)))
+        process.edge(here, here, receive=channel, updates=list(_assignments(visible, noted, indices)))
+    return process.build()
+
+
+def _indices(visible: VisibleEvents, values: IndexValues) -> list[Expression]:
+    return [values[index] if isinstance(index, Variable) else index for index in visible.indices]
+
+
+def _noting_receiver(process: Process, visible: VisibleEvents, noted: Mapping[str, Term]) -> Process:
+    """The process that notes the columns at the end of the edges that receive."""
+    if not noted:
+        return process
+    return replace(process, edges=tuple(_noting_edge(edge, visible, noted) for edge in process.edges))
+
+
+def _noting_edge(edge: Edge, visible: VisibleEvents, noted: Mapping[str, Term]) -> Edge:
+    sync = edge.synchronisation
+    if sync is None or sync.direction is Direction.SEND:
+        return edge
+    if channel_variable(sync.channel) is not channel_variable(visible.channel):
+        return edge
+    given = _given_indices(sync.channel)
+    changed = written_variables(edge.updates)
+    if any(isinstance(node, Reference) and node.variable in changed for node in _parts(given)):
+        raise UsageError(
+            f"an edge that receives a `{visible.event}` changes the index of its channel",
+            "keep the index in another variable while the edge is taken",
+        )
+    indices: dict[Variable, Expression] = {}
+    same: list[Expression] = []
+    for index, expression in zip(visible.indices, given, strict=True):
+        if isinstance(index, Variable):
+            indices[index] = expression
+        else:
+            same.append(Binary(BinaryOperator.EQUAL, expression, index, BOOL))
+    updates = [update.expression for update in _assignments(visible, noted, indices)]
+    return replace(edge, updates=(*edge.updates, *(_where(same, update) for update in updates)))
+
+
+def _where(conditions: Sequence[Expression], update: Expression) -> Expression:
+    """The assignment if all conditions hold, else that of the same value again."""
+    assert isinstance(update, Assign)
+    value = update.value
+    for condition in conditions:
+        value = Conditional(condition, value, update.target, update.type)
+    return replace(update, value=value)
+
+
+def _given_indices(channel: Expression) -> list[Expression]:
+    found: list[Expression] = []
+    while isinstance(channel, Index):
+        found.insert(0, channel.index)
+        channel = channel.base
+    return found
+
+
+def _parts(expressions: Sequence[Expression]) -> Iterator[Expression]:
+    from tachk.model.traversal import walk
+
+    for expression in expressions:
+        yield from walk(expression)
+
+
+def _streams(
+    network: Network, mapping: RecordingMap, program: Program, noted: Sequence[Mapping[str, Term]]
+) -> tuple[tuple[ObservedStream, ...], tuple[VisibleChannel, ...]]:
+    numbers = {channel.name: number for number, channel in enumerate(program.channels)}
+    slots = {slot.name: number for number, slot in enumerate(program.slots)}
+    modelled = [process for n, process in enumerate(network.processes) if n not in mapping.replaced]
+    streams: list[ObservedStream] = []
+    channels: list[VisibleChannel] = []
+    taken: dict[str, str] = {}
+    for visible, variables in zip(mapping.visible, noted, strict=True):
+        is_input = not is_output(visible, modelled)
+        places: dict[tuple[int, ...], int] = {}
+        for case in _cases(visible):
+            common = {variable: case[variable] for variable in visible.per}
+            key = tuple(common.values())
+            if key not in places:
+                places[key] = len(streams)
+                streams.append(ObservedStream(visible, common, is_input))
+            name = _name_of(visible, case)
+            if name in taken:
+                raise UsageError(
+                    f"a step over {name} is both `{taken[name]}` and `{visible.event}`",
+                    "let each channel be in one `visible` of the recording",
+                )
+            taken[name] = visible.event
+            columns = tuple(
+                (slots[_slot_name(variables[column])], 0)
+                if column in variables
+                else (None, _known(visible, expression, case))
+                for column, expression in visible.columns
+            )
+            channels.append(VisibleChannel(numbers[name], places[key], is_input, columns))
+    return tuple(streams), tuple(channels)
+
+
+def _name_of(visible: VisibleEvents, case: Mapping[Variable, int]) -> str:
+    """The name of the channel for these values of the indices."""
+    values = [case[index] if isinstance(index, Variable) else index.value for index in visible.indices]
+    return channel_variable(visible.channel).name + "".join(f"[{value}]" for value in values)
+
+
+def _slot_name(variable: Term) -> str:
+    assert isinstance(variable.expression, Reference)
+    return variable.expression.variable.name
+
+
+def _known(visible: VisibleEvents, column: Expression, case: Mapping[Variable, int]) -> int:
+    if isinstance(column, Constant):
+        return column.value
+    assert isinstance(column, Reference)
+    return case[column.variable]

@@ -1,0 +1,83 @@
+"""A system that is followed event by event is as its model says exactly where a second definition says so."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.engine.options import Limits
+from tachk.recordings.conformance.conform_file import constants_of
+from tachk.recordings.conformance.events import RecordedEvent
+from tachk.simulation.testing.followed_system import FollowedSystem
+from tachk.simulation.testing.observed_network import observed_network
+from tests.support.seeds import seeds
+from tests.unit.recordings.conformance.small_models import (
+    KEYS,
+    Event,
+    Machine,
+    is_run,
+    mutated,
+    random_machine,
+    random_run,
+    text_of,
+)
+
+
+def with_anyone(text: str, machines: int) -> str:
+    """The model with a process that sends whatever it likes whenever it likes, which recordings replace."""
+    anyone = f"""process Anyone() {{
+    init location There {{
+        to There {{ select m : int[0, {machines - 1}], k : int[0, {KEYS - 1}]; sync hear[m][k]!; }}
+    }}
+}}
+system """
+    return text.replace("system ", anyone).replace("recording {", "recording {\n    replaces Anyone;").replace(
+        ";\nrecording", ", Anyone;\nrecording"
+    )
+
+
+def followed(model: tachk.Model, tolerance: int, late: int) -> FollowedSystem:
+    assert model.loaded.recording is not None
+    mapping = model.loaded.recording
+    observed = observed_network(model.network, mapping)
+    return FollowedSystem(
+        observed, mapping, constants_of(model.loaded), Fraction(tolerance), Fraction(late), Limits(states=100_000)
+    )
+
+
+def recorded(event: Event) -> RecordedEvent:
+    cells: dict[str, int | str] = {"m": event.machine, "k": event.key}
+    if event.label == "out":
+        cells["number"] = event.number
+    return RecordedEvent(Fraction(event.time), event.label, cells, "here")
+
+
+def goes_along(random: Random, system: FollowedSystem, events: list[Event], end: int) -> bool:
+    """Whether the system is as modelled up to the end; events and the passing of time are told in pieces."""
+    for event in events:
+        if random.random() < 0.5:
+            system.advance(Fraction(event.time))
+        assert system.observe(recorded(event))
+        if random.random() < 0.5:
+            system.advance(Fraction(event.time))
+        if not system.is_as_modelled:
+            return False
+    return system.ends_as_modelled(Fraction(end))
+
+
+@pytest.mark.parametrize("seed", seeds(range(6)))
+def test_following_agrees_with_a_second_definition(seed: int) -> None:
+    random = Random(seed)
+    machines: tuple[Machine, ...] = tuple(random_machine(random) for _ in range(random.randint(1, 2)))
+    model = tachk.loads(with_anyone(text_of(machines, hidden=False), len(machines)))
+    for case in range(12):
+        events, end = random_run(random, machines, 14, hidden=False)
+        tolerance, late = random.randrange(3), random.randrange(3)
+        if case % 4:
+            events = mutated(random, events, end)
+        expected = is_run(machines, events, end, tolerance, late, hidden=False)
+        system = followed(model, tolerance, late)
+        assert goes_along(random, system, events, end) is expected, f"seed {seed}, case {case}"
