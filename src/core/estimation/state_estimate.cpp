@@ -227,8 +227,8 @@ void StateEstimate::step(const symbolic::Successor& entry, const std::vector<Ato
       const Atom within[] = {at_least(observation.earliest), at_most(observation.latest)};
       if (!graph_.operations().intersect(scratch_.get(), graph_.program().dimension(), within, 2)) return;
       ++position;
-    } else if (aim_ == Aim::present) {
-      return;  // it would have been recorded
+    } else if (aim_ == Aim::present || (aim_ == Aim::end && channel.input)) {
+      return;  // it would have been seen; inputs are those of the tester, who knows them all
     } else if (aim_ == Aim::outlook) {
       note(place, values(channel, entry.slots), window(entry.zone));
       return;

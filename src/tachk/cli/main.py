@@ -50,6 +50,7 @@ SECTIONS = {
     "Check logs of the real system": {
         "monitor": "Check properties on a recorded trace, or while it is recorded.",
         "conform": "Check whether recorded events are a run of a model.",
+        "test": "Test a running system by a model.",
         "plot": "Draw a trace and the violations of properties on it.",
         "chart": "Draw a sequence chart of a capture or of a run.",
         "xrce": "Decode, measure, relay and answer packets of DDS-XRCE.",

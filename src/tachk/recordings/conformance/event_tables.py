@@ -56,6 +56,28 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
     return EventLog(str(path), tuple(events), _length(unit, path), Fraction(0), end)
 
 
+END = "end"
+"""The name of the last row of a recording that goes on behind its last event."""
+
+
+def event_rows(recording: EventLog, nanoseconds: Fraction | None) -> Iterator[str]:
+    """The lines of a file of events (.jsonl) that `read_events` reads as this recording.
+
+    Args:
+        nanoseconds: of a unit of the recording's times; None: the file has these units, too.
+    """
+    column, length = (TIME, Fraction(1)) if nanoseconds is None else (f"{TIME} [ns]", nanoseconds)
+
+    def row(time: Fraction, name: str, cells: Mapping[str, Cell]) -> str:
+        written = time * length
+        exact = int(written) if written.denominator == 1 else float(written)
+        return json.dumps({column: exact, NAME: name, **cells}) + "\n"
+
+    for event in recording.events:
+        yield row(event.time, event.name, event.cells)
+    yield row(recording.end, END, {})
+
+
 def _is_json(path: Path) -> bool:
     """True if a file of this name has JSON lines. Raises UsageError where it has neither these nor CSV."""
     suffix = plain_suffix(path)

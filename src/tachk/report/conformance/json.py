@@ -18,12 +18,12 @@ def conformance_to_json(found: Sequence[Conformance], model: str, covered: Seque
     """One object, with an answer for each recording."""
     return {
         "model": model,
-        "answers": [_answer(each) for each in found],
+        "answers": [answer_to_json(each) for each in found],
         "coverage": PlainData()(list(covered)),
     }
 
 
-def _answer(found: Conformance) -> dict[str, Any]:
+def answer_to_json(found: Conformance) -> dict[str, Any]:
     """Times are those of the recording."""
     events = found.recording.events
 

@@ -86,7 +86,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
             yield f"a run of the model, with {allowed}"
         case False:
             yield f"not a run of the model, with {allowed}"
-            yield from _rejection_lines(found)
+            yield from rejection_lines(found)
             if found.edit is not None:
                 yield f"it would be a run if {edit_text(found, found.edit)}"
             elif found.refusal is not None and found.refusal.event is not None and not found.left_out:
@@ -96,7 +96,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
                 yield f"the time limit was over before it was known {found.left_out}"
         case None:
             yield f"undecided, with {allowed}: {found.reason}"
-            yield from _rejection_lines(found)
+            yield from rejection_lines(found)
     yield f"{grouped(found.statistics.states_stored)} states in {found.statistics.seconds:.2f} s"
 
 
@@ -111,7 +111,7 @@ def coverage_to_text(covered: Sequence[Covered]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _rejection_lines(found: Conformance) -> Iterator[str]:
+def rejection_lines(found: Conformance) -> Iterator[str]:
     rejection = found.refusal
     if rejection is None:
         return

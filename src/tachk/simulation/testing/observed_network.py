@@ -71,12 +71,14 @@ class ObservedNetwork:
     network: with the clock of the present moment first, and with the variables for columns.
     streams: by number.
     channels: the visible channels of the program.
+    largest_constant: with which a clock is compared, at least 1; in units of the model.
     """
 
     network: Network
     program: Program
     streams: tuple[ObservedStream, ...]
     channels: tuple[VisibleChannel, ...]
+    largest_constant: int
 
 
 def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork:
@@ -106,7 +108,18 @@ def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork
     )
     program, _ = lower(whole)
     streams, channels = _streams(network, mapping, program, noted)
-    return ObservedNetwork(whole, program, streams, channels)
+    return ObservedNetwork(whole, program, streams, channels, _largest_constant(program))
+
+
+def _largest_constant(program: Program) -> int:
+    """With which a clock is compared, but for that of the present moment."""
+    bounds = (
+        bound
+        for locations in program.locations
+        for location in locations
+        for bound in (*location.lower, *location.upper)
+    )
+    return max((constant for clock, constant in bounds if clock != 1), default=1) or 1
 
 
 def _present(clock: Term) -> Process:

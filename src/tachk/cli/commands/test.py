@@ -1,0 +1,135 @@
+"""`tachk test`: test a running system by a model."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.cli import options
+from tachk.cli.destination import destination
+from tachk.cli.distribution import distributed
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.cli.reporting import Reporting
+from tachk.engine.options import Limits
+
+
+@click.command(name="test")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { replaces ... }`.")
+@options.definitions
+@click.option(
+    "--adapter",
+    metavar="KIND:COMMAND",
+    required=True,
+    help="The system. process:COMMAND is a program that reads inputs and writes outputs as JSON lines, in real time; "
+    "driven:COMMAND is one whose clock the test moves on.",
+)
+@click.option(
+    "duration", "--for", metavar="DURATION", default="10s", show_default=True, help="How long to test, such as 10min."
+)
+@click.option(
+    "--seed", metavar="N", type=int, default=0, show_default=True, help="The random choice of inputs and moments."
+)
+@click.option(
+    "--pause",
+    metavar="DURATION",
+    help="The longest time until the next input. By default the largest constant of the model's clocks.",
+)
+@click.option(
+    "--tolerance",
+    metavar="DURATION",
+    help="How much earlier or later than seen an event may have happened, such as 5ms. By default as the model says.",
+)
+@click.option(
+    "--late",
+    metavar="DURATION",
+    help="How much later than it happens an output may be seen, and an input may arrive. By default as the model says.",
+)
+@click.option(
+    "--record",
+    metavar="FILE",
+    type=options.written_file,
+    help="Write the events of the test to this file (.jsonl), which `tachk conform` reads.",
+)
+@click.option(
+    "--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI."
+)
+@options.max_states()
+@options.report("text", "json")
+def command(**given: Any) -> None:
+    """Test a running system by a model.
+
+    The processes that the recording of the model replaces are the environment: the test does what they may do. All
+    others are the system: the test checks what it answers, and when.
+
+    Exit status: 0 the system did what the model allows, 10 it did not, 20 the test says nothing, 2 bad input.
+    """
+
+    arguments, reporting = distributed(given, TestArguments, Reporting)
+    options.finish(lambda: run_test_command(arguments, reporting))
+
+
+@dataclass(frozen=True, slots=True)
+class TestArguments:
+    """Arguments of `tachk test`."""
+
+    __test__ = False
+
+    model: str
+    adapter: str
+    definitions: tuple[str, ...] = ()
+    duration: str = "10s"
+    seed: int = 0
+    pause: str | None = None
+    tolerance: str | None = None
+    late: str | None = None
+    record: Path | None = None
+    junit: Path | None = None
+    states: int | None = None
+
+
+def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStatus:
+    """Tests a system, and reports."""
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_definitions
+    from tachk.recordings.conformance.event_tables import event_rows
+    from tachk.report.conformance.tested import test_to_json, test_to_junit, test_to_text
+    from tachk.simulation.testing.tested_model import TestRequest, nanoseconds_of, run_test_of_model
+    from tachk.simulation.testing.tester import TestVerdict
+
+    model = api.load(arguments.model, **parse_definitions(arguments.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    request = TestRequest(
+        arguments.adapter,
+        arguments.duration,
+        arguments.seed,
+        arguments.tolerance,
+        arguments.late,
+        arguments.pause,
+    )
+    result = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
+    unit = model.network.time_unit
+    if arguments.record is not None:
+        arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")
+    if arguments.junit is not None:
+        arguments.junit.write_text(test_to_junit(result, arguments.model, arguments.adapter, unit), encoding="utf-8")
+    with destination(reporting.output, reporting.quiet) as out:
+        if out is not None:
+            match reporting.form:
+                case "text":
+                    out.write(test_to_text(result, arguments.model, unit))
+                case "json":
+                    json.dump(test_to_json(result, arguments.model, unit), out, indent=2)
+                    out.write("\n")
+                case _:
+                    raise UsageError(f"unknown format {reporting.form}")
+    return {
+        TestVerdict.PASS: ExitStatus.AS_EXPECTED,
+        TestVerdict.FAIL: ExitStatus.NOT_AS_EXPECTED,
+        TestVerdict.INCONCLUSIVE: ExitStatus.UNKNOWN,
+    }[result.verdict]

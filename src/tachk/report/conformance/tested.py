@@ -1,0 +1,106 @@
+"""Reports on tests of a running system: for people, for machines, and as JUnit XML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+from xml.etree import ElementTree
+
+from tachk.base.plain_data import Fields, PlainData
+from tachk.model.quantity import grouped
+from tachk.recordings.conformance.events import RecordedEvent
+from tachk.report.conformance.json import answer_to_json
+from tachk.report.conformance.text import event_text, rejection_lines, units_text
+from tachk.report.junit_report import clean
+from tachk.simulation.testing.tester import TestResult, TestVerdict
+
+_LAST = 5
+"""So many events before the end of a test that failed are shown."""
+
+
+def test_to_text(result: TestResult, model: str, time_unit: str) -> str:
+    """The verdict, and where the system leaves the model."""
+    return "\n".join(_lines(result, model, time_unit)) + "\n"
+
+
+test_to_text.__test__ = False  # type: ignore[attr-defined]
+
+
+def _lines(result: TestResult, model: str, unit: str) -> Iterator[str]:
+    events, settings = result.recording.events, result.settings
+    outputs = len(events) - result.inputs
+    yield (
+        f"{result.verdict.value}: {model}, {_counted(result.inputs, 'input')} and {_counted(outputs, 'output')} in "
+        f"{units_text(Fraction(round(result.recording.end)), unit)}"
+    )
+    yield (
+        f"with seed {settings.seed}, tolerance {units_text(settings.tolerance, unit)}, "
+        f"late {units_text(settings.late, unit)}"
+    )
+    if result.reason:
+        yield result.reason
+    if result.verdict is TestVerdict.FAIL:
+        yield "the last events"
+        yield from (f"  {_time(event.time)}  {event_text(event)}" for event in events[-_LAST:])
+        if result.conformance is not None:
+            yield from rejection_lines(result.conformance)
+    yield f"{grouped(result.explored)} states; at most {grouped(result.states)} at a moment"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{grouped(count)} {what}{'' if count == 1 else 's'}"
+
+
+def _time(time: Fraction) -> str:
+    return f"{float(time):.3f}"
+
+
+def test_to_json(result: TestResult, model: str, time_unit: str) -> dict[str, Any]:
+    """One object, as docs/schema/test.schema.json describes it. Times are in units of the model."""
+    plain = PlainData(
+        {
+            RecordedEvent: Fields("time event=name cells", cells=lambda event: dict(event.cells)),
+            Fraction: float,
+        }
+    )
+    return {
+        "model": model,
+        "time_unit": time_unit,
+        "verdict": result.verdict.value,
+        "reason": result.reason,
+        "seed": result.settings.seed,
+        "tolerance": float(result.settings.tolerance),
+        "late": float(result.settings.late),
+        "end": float(result.recording.end),
+        "inputs": result.inputs,
+        "outputs": len(result.recording.events) - result.inputs,
+        "states": result.explored,
+        "largest_estimate": result.states,
+        "events": plain.of(list(result.recording.events)),
+        "conformance": None if result.conformance is None else answer_to_json(result.conformance),
+    }
+
+
+test_to_json.__test__ = False  # type: ignore[attr-defined]
+
+
+def test_to_junit(result: TestResult, model: str, adapter: str, time_unit: str) -> str:
+    """One suite with one case; a test that failed is a failure, one without a verdict an error."""
+    failed, open_ = (result.verdict is each for each in (TestVerdict.FAIL, TestVerdict.INCONCLUSIVE))
+    suites = ElementTree.Element("testsuites")
+    suite = ElementTree.SubElement(
+        suites, "testsuite", name=clean(model), tests="1", failures=str(int(failed)), errors=str(int(open_))
+    )
+    case = ElementTree.SubElement(
+        suite, "testcase", classname=clean(model), name=clean(f"{adapter} with seed {result.settings.seed}")
+    )
+    if result.verdict is not TestVerdict.PASS:
+        first, *others = _lines(result, model, time_unit)
+        problem = ElementTree.SubElement(case, "failure" if failed else "error", message=clean(first))
+        problem.text = clean("\n".join(others))
+    ElementTree.indent(suites)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suites, encoding="unicode") + "\n"
+
+
+test_to_junit.__test__ = False  # type: ignore[attr-defined]

@@ -1,0 +1,74 @@
+"""The choice of the next input: which one, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from random import Random
+
+from tachk.base.records import dataclass
+from tachk.engine.state_estimate import Window
+from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext
+
+_WAITS = 0.15
+"""How often no input is chosen although one is possible, so that the system is also left alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedInput:
+    """An input that is sent at a moment, in units of the model since its start, if nothing is seen before."""
+
+    event: AllowedEvent
+    moment: Fraction
+
+
+def random_input(
+    random: Random, allowed: AllowedNext, now: Fraction, longest: int, tolerance: Fraction, late: Fraction
+) -> PlannedInput | None:
+    """An input that the environment may send, at a moment at which the system can receive it whatever state it is in.
+
+    Moments at the borders of windows are likelier than others, since faults of timing show there. None where there is
+    no such input, or to leave the system alone.
+
+    Args:
+        longest: the latest moment is so long behind the present one.
+        tolerance, late: an input that is sent at t happens in [t - tolerance, t + late].
+    """
+    inputs = [
+        (event, windows)
+        for event in allowed.events
+        if event.is_input and (windows := list(_moments(event, now, now + longest, tolerance, late)))
+    ]
+    if not inputs or random.random() < _WAITS:
+        return None
+    event, windows = random.choice(inputs)
+    low, high = random.choice(windows)
+    where = random.random()
+    if where < 1 / 4:
+        return PlannedInput(event, low)
+    if where < 1 / 2:
+        return PlannedInput(event, high)
+    return PlannedInput(event, low + (high - low) * random.randrange(1001) / 1000)
+
+
+def _moments(
+    event: AllowedEvent, first: Fraction, last: Fraction, tolerance: Fraction, late: Fraction
+) -> Iterator[tuple[Fraction, Fraction]]:
+    """The intervals of moments at which the event can be sent and is received for sure."""
+    for low, high in event.windows:
+        yield from _without(max(Fraction(low), first), min(Fraction(high), last), event.refusals, tolerance, late)
+
+
+def _without(
+    low: Fraction, high: Fraction, refusals: tuple[Window, ...], tolerance: Fraction, late: Fraction
+) -> Iterator[tuple[Fraction, Fraction]]:
+    """What is left of an interval where an input does not happen in any of the refusals."""
+    if low > high:
+        return
+    for begin, end in refusals:
+        before, behind = begin - late, end + tolerance
+        if low <= behind and before <= high:  # the borders of refusals are rounded outwards
+            yield from _without(low, min(high, before - 1), refusals, tolerance, late)
+            yield from _without(max(low, behind + 1), high, refusals, tolerance, late)
+            return
+    yield low, high

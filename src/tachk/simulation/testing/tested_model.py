@@ -1,0 +1,67 @@
+"""A test of a system by a model that has been read."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.base.time_units import length_of
+from tachk.engine.options import Limits
+from tachk.frontend.loaded import LoadedModel
+from tachk.recordings.conformance.conform_file import constants_of, duration
+from tachk.recordings.conformance.location_columns import with_location_variables
+from tachk.simulation.testing.adapters import open_adapter
+from tachk.simulation.testing.tester import TestResult, TestSettings, run_test
+
+
+@dataclass(frozen=True, slots=True)
+class TestRequest:
+    """The arguments of a test, as of `tachk.api.testing.test`.
+
+    Attributes:
+        duration, pause, tolerance, late: durations such as ``5ms``; None: as the model says.
+    """
+
+    __test__ = False
+
+    adapter: str
+    duration: str
+    seed: int = 0
+    tolerance: str | None = None
+    late: str | None = None
+    pause: str | None = None
+
+
+def run_test_of_model(loaded: LoadedModel, name: str, request: TestRequest, limits: Limits) -> TestResult:
+    """Runs a test. Raises as `run_test`, and UsageError for a model without a recording."""
+    mapping = loaded.recording
+    if mapping is None or not mapping.visible:
+        raise UsageError(
+            f"{name} does not say what can be seen of the system",
+            "write `recording { replaces Environment; visible channel as event(); }` into it",
+        )
+    if not mapping.replaced:
+        raise UsageError(
+            f"the recording of {name} replaces no process, so nothing of the model is the environment",
+            "write `replaces` with the processes that a test stands for",
+        )
+    network, mapping = with_location_variables(loaded.network, mapping)
+    unit = network.time_unit
+    tolerance = mapping.tolerance if request.tolerance is None else duration(request.tolerance, unit)
+    late = mapping.late if request.late is None else duration(request.late, unit)
+    settings = TestSettings(
+        duration(request.duration, unit),
+        request.seed,
+        tolerance,
+        tolerance if late is None else late,
+        None if request.pause is None else int(duration(request.pause, unit)),
+        limits,
+    )
+    system = open_adapter(request.adapter, nanoseconds_of(unit))
+    return run_test(network, mapping, constants_of(loaded), system, settings)
+
+
+def nanoseconds_of(time_unit: str) -> Fraction | None:
+    """The length of a unit of a model; None if the model does not say it."""
+    return length_of(time_unit) if time_unit else None

@@ -1,0 +1,221 @@
+"""Tests a running system by its model: sends inputs that the environment may send, and follows what it answers.
+
+The relation is rtioco: after all that was seen, each output, and each silence, must be one that the model allows in the
+environment of the model (Larsen, Mikucionis, Nielsen, "Online testing of real-time systems using Uppaal", 2004;
+Brandan Briones, Brinksma, "A test generation framework for quiescent real-time systems", 2004). Every test is recorded,
+and judged again from its recording by the search of `tachk conform`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import StrEnum
+from fractions import Fraction
+from math import ceil
+from random import Random
+
+from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.records import dataclass
+from tachk.engine.options import Limits
+from tachk.engine.state_estimate import EstimateLimitError
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
+from tachk.recordings.conformance.conform import Conformance, conform
+from tachk.recordings.conformance.event_streams import Constants
+from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
+from tachk.simulation.testing.input_choice import PlannedInput, random_input
+from tachk.simulation.testing.observed_network import observed_network
+from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
+
+
+class TestVerdict(StrEnum):
+    """The result of a test."""
+
+    __test__ = False  # pytest takes it for a test
+
+    PASS = "pass"
+    """All that was seen is allowed."""
+    FAIL = "fail"
+    """The system did what the model does not allow, or was silent for longer than it may be."""
+    INCONCLUSIVE = "inconclusive"
+    """The test says nothing: a limit was hit, the system ended, or it did what the environment does not expect."""
+
+
+@dataclass(frozen=True, slots=True)
+class TestSettings:
+    """Attributes:
+    duration: of the test, in units of the model.
+    pause: the longest time until the next input, in units of the model; None: the largest constant of its clocks.
+    tolerance, late: of times, in units of the model, as of `tachk conform`.
+    """
+
+    __test__ = False
+
+    duration: Fraction
+    seed: int
+    tolerance: Fraction
+    late: Fraction
+    pause: int | None = None
+    limits: Limits = Limits()
+
+
+@dataclass(frozen=True, slots=True)
+class TestResult:
+    """Attributes:
+    recording: all inputs and outputs, with times in units of the model.
+    inputs: how many of the events are inputs.
+    allowed: what the model allowed before the test failed; None if it did not.
+    reason: why it is inconclusive; empty otherwise.
+    conformance: what the search of `tachk conform` says of the recording; None where no verdict is due.
+    states: the largest number of symbolic states in which the system may have been at a moment.
+    explored: the number of symbolic states that were explored.
+    """
+
+    __test__ = False
+
+    verdict: TestVerdict
+    settings: TestSettings
+    recording: EventLog
+    inputs: int
+    allowed: AllowedNext | None
+    reason: str
+    conformance: Conformance | None
+    states: int
+    explored: int
+
+
+def run_test(
+    network: Network, mapping: RecordingMap, constants: Constants, system: SystemAdapter, settings: TestSettings
+) -> TestResult:
+    """Runs one test.
+
+    Args:
+        network, mapping: locations in columns are variables already.
+
+    Raises UsageError for a model that cannot be followed, for a system that does not start, and for lines that are no
+    events, UnsupportedError, and InternalError if the verdict is not that of the recording.
+    """
+    test = _Test(network, mapping, constants, system, settings)
+    system.start()
+    try:
+        test.run()
+    finally:
+        system.close()
+    return test.result()
+
+
+class _Test:
+    """A test under way."""
+
+    def __init__(
+        self,
+        network: Network,
+        mapping: RecordingMap,
+        constants: Constants,
+        system: SystemAdapter,
+        settings: TestSettings,
+    ) -> None:
+        self.network = network
+        self.mapping = mapping
+        self.constants = constants
+        self.system = system
+        self.settings = settings
+        self.random = Random(settings.seed)
+        observed = observed_network(network, mapping)
+        self.pause = observed.largest_constant if settings.pause is None else settings.pause
+        self.followed = FollowedSystem(
+            observed, mapping, constants, settings.tolerance, settings.late, settings.limits
+        )
+        self.known = Fraction(0)
+        self.events: list[RecordedEvent] = []
+        self.inputs = 0
+        self.states = 1
+        self.reason = ""
+        self.is_as_modelled = True
+        self.allowed: AllowedNext | None = None
+
+    def run(self) -> None:
+        try:
+            while self._step():
+                pass
+            if self.is_as_modelled:
+                self.is_as_modelled = self.followed.ends_as_modelled(self.known)
+        except EstimateLimitError as limit:
+            self.reason = f"the states in which the system may be cannot be computed: {limit}"
+        except SystemEndedError as ended:
+            self.reason = str(ended)
+
+    def _step(self) -> bool:
+        """Waits for an output, or sends an input. False when the test is over."""
+        self.followed.advance(self.known)
+        self.is_as_modelled = self.followed.is_as_modelled
+        if not self.is_as_modelled or self.known >= self.settings.duration:
+            return False
+        self.states = max(self.states, self.followed.states)
+        now = max(self.system.time(), self.known)
+        spread = max(self.settings.tolerance, self.settings.late)
+        self.allowed = self.followed.allowed(ceil(now) + self.pause + ceil(spread) + 1)
+        planned = random_input(
+            self.random, self.allowed, now, self.pause, self.settings.tolerance, self.settings.late
+        )
+        self._wait(planned, now, spread)
+        return True
+
+    def _wait(self, planned: PlannedInput | None, now: Fraction, spread: Fraction) -> None:
+        assert self.allowed is not None
+        until = now + self.pause if planned is None else planned.moment
+        if self.allowed.bounded:  # a silence that is too long is seen a little later
+            until = min(until, max(self.allowed.silent_until + spread + 1, now))
+        until = min(until, self.settings.duration)
+        seen = self.system.next_output(until)
+        if seen is not None:
+            self.known = max(self.known, seen.time)
+            self._note(seen.time, seen.name, seen.cells)
+            return
+        self.known = until
+        if planned is not None and planned.moment <= until:
+            time = self.system.send(planned.event.name, planned.event.cells)
+            self.inputs += 1
+            self._note(time, planned.event.name, planned.event.cells)
+
+    def _note(self, time: Fraction, name: str, cells: Mapping[str, Cell]) -> None:
+        event = RecordedEvent(time, name, cells, f"event {len(self.events) + 1}")
+        self.events.append(event)
+        self.followed.observe(event)
+
+    def result(self) -> TestResult:
+        end = max([self.known, *(event.time for event in self.events)])
+        order = sorted(self.events, key=lambda event: event.time)
+        recording = EventLog(SOURCE, tuple(order), None, Fraction(0), end)
+        verdict = TestVerdict.PASS if self.is_as_modelled else TestVerdict.FAIL
+        found: Conformance | None = None
+        reason = self.reason
+        if reason:
+            verdict = TestVerdict.INCONCLUSIVE
+        else:
+            found = conform(
+                self.network,
+                self.mapping,
+                recording,
+                self.constants,
+                self.settings.tolerance,
+                self.settings.late,
+                limits=self.settings.limits,
+            )
+            if verdict is TestVerdict.PASS and found.accepted is False:
+                raise InternalError("the recording of a test that passed is not a run of the model")
+            if verdict is TestVerdict.FAIL and found.accepted is True:
+                verdict = TestVerdict.INCONCLUSIVE
+                reason = "the system did what the environment of the model does not expect"
+        return TestResult(
+            verdict,
+            self.settings,
+            recording,
+            self.inputs,
+            self.allowed if verdict is TestVerdict.FAIL else None,
+            reason,
+            found,
+            self.states,
+            self.followed.explored,
+        )
