@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tachk import _core
-from tachk.base.job import StoppedError, current_job
+from tachk.base.job import current_job
 from tachk.base.records import dataclass
 from tachk.engine.compiler.program import Program
 from tachk.engine.core_search import core_limits, core_options, reason_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +18,9 @@ from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
 from tachk.engine.options import Limits
 
+if TYPE_CHECKING:
+    from tachk.frontend.loaded import LoadedModel
+
 
 @click.command(name="test")
 @click.argument("model", metavar="MODEL", type=click.Path(), help="A model with a `recording { replaces ... }`.")
@@ -25,9 +28,14 @@ from tachk.engine.options import Limits
 @click.option(
     "--adapter",
     metavar="KIND:COMMAND",
-    required=True,
     help="The system. process:COMMAND is a program that reads inputs and writes outputs as JSON lines, in real time; "
     "driven:COMMAND is one whose clock the test moves on.",
+)
+@click.option(
+    "--simulate",
+    metavar="MODEL",
+    type=click.Path(),
+    help="Let this model stand for the system, in simulated time: a changed copy of the model, or the model itself.",
 )
 @click.option(
     "duration", "--for", metavar="DURATION", default="10s", show_default=True, help="How long to test, such as 10min."
@@ -56,9 +64,7 @@ from tachk.engine.options import Limits
     type=options.written_file,
     help="Write the events of the test to this file (.jsonl), which `tachk conform` reads.",
 )
-@click.option(
-    "--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI."
-)
+@click.option("--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI.")
 @options.max_states()
 @options.report("text", "json")
 def command(**given: Any) -> None:
@@ -81,7 +87,8 @@ class TestArguments:
     __test__ = False
 
     model: str
-    adapter: str
+    adapter: str | None = None
+    simulate: str | None = None
     definitions: tuple[str, ...] = ()
     duration: str = "10s"
     seed: int = 0
@@ -105,7 +112,7 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
     model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     request = TestRequest(
-        arguments.adapter,
+        _system_under_test(arguments),
         arguments.duration,
         arguments.seed,
         arguments.tolerance,
@@ -113,11 +120,11 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         arguments.pause,
     )
     result = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
-    unit = model.network.time_unit
+    unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
     if arguments.record is not None:
         arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")
     if arguments.junit is not None:
-        arguments.junit.write_text(test_to_junit(result, arguments.model, arguments.adapter, unit), encoding="utf-8")
+        arguments.junit.write_text(test_to_junit(result, arguments.model, name, unit), encoding="utf-8")
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:
@@ -133,3 +140,18 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         TestVerdict.FAIL: ExitStatus.NOT_AS_EXPECTED,
         TestVerdict.INCONCLUSIVE: ExitStatus.UNKNOWN,
     }[result.verdict]
+
+
+def _system_under_test(arguments: TestArguments) -> str | LoadedModel:
+    """What `--adapter` says, or the model of `--simulate`. Raises UsageError unless there is one of them."""
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_definitions
+
+    if (arguments.adapter is None) == (arguments.simulate is None):
+        raise UsageError(
+            "name one system to test", "--adapter process:./program for a program, --simulate MODEL for a model"
+        )
+    if arguments.simulate is None:
+        assert arguments.adapter is not None
+        return arguments.adapter
+    return api.load(arguments.simulate, **parse_definitions(arguments.definitions)).loaded

@@ -135,7 +135,7 @@ def trace_product(
     unordered = [*hidden, *processes, *made[len(hidden) :]]
     whole = replace(
         network,
-        processes=tuple(_with_channels(p, released) for p in (unordered[n] for n in order)),
+        processes=tuple(with_channels(p, released) for p in (unordered[n] for n in order)),
         variables=(*(released.get(v, v) for v in _mentioned(network, processes, streams)), *builder.variables),
         signals=(),
         hidden=(*network.hidden, *(p.name for p in made)),
@@ -238,14 +238,14 @@ def _calm(type_: object) -> ArrayType | ChannelType:
     return replace(type_, urgent=False)
 
 
-def _with_channels(process: Process, others: Mapping[Variable, Variable]) -> Process:
-    """The process with other variables for some channels."""
+def with_channels(process: Process, others: Mapping[Variable, Variable]) -> Process:
+    """The process with other variables for some channels, which may be of another kind."""
     if not others:
         return process
-    return replace(process, edges=tuple(_edge_with_channels(edge, others) for edge in process.edges))
+    return replace(process, edges=tuple(_edgewith_channels(edge, others) for edge in process.edges))
 
 
-def _edge_with_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge:
+def _edgewith_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge:
     sync = edge.synchronisation
     if sync is None or channel_variable(sync.channel) not in others:
         return edge
@@ -254,9 +254,10 @@ def _edge_with_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge
 
 def _renamed(channel: Expression, others: Mapping[Variable, Variable]) -> Expression:
     match channel:
-        case Index(base, _, type_):
-            assert isinstance(type_, ArrayType | ChannelType)
-            return replace(channel, base=_renamed(base, others), type=_calm(type_))
+        case Index(base):
+            base = _renamed(base, others)
+            assert isinstance(base.type, ArrayType)
+            return replace(channel, base=base, type=base.type.element)
         case Reference(variable):
             return replace(channel, variable=others[variable])
         case _:

@@ -75,9 +75,7 @@ class FollowedSystem:
         self._mapping = mapping
         self._reader = EventStreamReader(mapping, EventLog(SOURCE, (), None, None, Fraction(0)), constants)
         self._streams = {_key(mapping, stream): n for n, stream in enumerate(observed.streams)}
-        self._estimate = StateEstimate(
-            observed.program, observed.channels, len(observed.streams), limits=limits
-        )
+        self._estimate = StateEstimate(observed.program, observed.channels, len(observed.streams), limits=limits)
         self._estimate.advance(0)
 
     @property
@@ -159,7 +157,6 @@ class FollowedSystem:
         return cells
 
 
-def _key(mapping: RecordingMap, stream: ObservedStream) -> tuple[int, tuple[int, ...]]:
+def _key(mapping: RecordingMap, stream: ObservedStream) -> tuple[int, tuple[int | None, ...]]:
     number = next(n for n, visible in enumerate(mapping.visible) if visible is stream.visible)
     return number, tuple(stream.common.values())
-

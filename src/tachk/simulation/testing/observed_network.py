@@ -9,16 +9,14 @@ process that receives broadcasts last does so, or the receiver of a step of two.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.operators import CONSTANT_HIGH, CONSTANT_LOW, BinaryOperator
+from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Program
 from tachk.engine.state_estimate import VisibleChannel
-from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.builder import NetworkBuilder, ProcessBuilder, Term
 from tachk.model.expressions import (
     BOOL,
@@ -34,21 +32,22 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Edge, Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
-from tachk.model.traversal import written_variables
-from tachk.model.types import ChannelType, IntType, element_type
+from tachk.model.traversal import walk, written_variables
 from tachk.recordings.conformance.event_streams import (
     channel_variable,
     element,
-    index_range,
-    index_type,
     is_output,
+)
+from tachk.simulation.testing.event_columns import (
+    channel_indices,
+    index_cases,
+    is_broadcast,
+    noted_variables,
+    noting_updates,
 )
 
 LONGEST = 1 << 24
 """Units of the model: no moment is so far from the present one."""
-_ANYTHING = IntType(CONSTANT_LOW, CONSTANT_HIGH)
-
-IndexValues = Mapping[Variable, Expression]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +90,11 @@ def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork
     builder = NetworkBuilder("observed.", VariableKind.GLOBAL)
     clock = builder.clock("now")
     present = _present(clock)
-    noted = [_noted(builder, number, visible) for number, visible in enumerate(mapping.visible)]
+    noted = [noted_variables(builder, number, visible) for number, visible in enumerate(mapping.visible)]
     processes = list(network.processes)
     added = [present]
     for number, (visible, variables) in enumerate(zip(mapping.visible, noted, strict=True)):
-        if _is_broadcast(visible):
+        if is_broadcast(visible):
             added.append(_noting_process(number, visible, variables))
         else:
             processes = [_noting_receiver(process, visible, variables) for process in processes]
@@ -130,55 +129,14 @@ def _present(clock: Term) -> Process:
     return process.build()
 
 
-def _is_broadcast(visible: VisibleEvents) -> bool:
-    type_ = element_type(visible.channel.type)
-    return isinstance(type_, ChannelType) and type_.broadcast
-
-
-def _noted(builder: NetworkBuilder, number: int, visible: VisibleEvents) -> dict[str, Term]:
-    """A variable for each column that is not known from the channel."""
-    return {
-        name: builder.declare(f"seen[{number}].{name}", _ANYTHING, 0)
-        for name, expression in visible.columns
-        if not _is_of_channel(visible, expression)
-    }
-
-
-def _is_of_channel(visible: VisibleEvents, column: Expression) -> bool:
-    match column:
-        case Constant():
-            return True
-        case Reference(variable):
-            return variable in visible.indices
-        case _:
-            return False
-
-
-def _cases(visible: VisibleEvents) -> Iterator[dict[Variable, int]]:
-    """The values of the indices, one for each element of the channel."""
-    free = [index for index in visible.indices if isinstance(index, Variable)]
-    for values in product(*(index_range(index_type(variable)) for variable in free)):
-        yield dict(zip(free, values, strict=True))
-
-
-def _assignments(visible: VisibleEvents, noted: Mapping[str, Term], indices: IndexValues) -> Iterator[Term]:
-    for name, expression in visible.columns:
-        if name in noted:
-            yield noted[name].assign(Term(substitute(expression, indices, set())))
-
-
 def _noting_process(number: int, visible: VisibleEvents, noted: Mapping[str, Term]) -> Process:
     process = ProcessBuilder("noting.", VariableKind.LOCAL, name=f"noting[{number}]")
     here = process.location("noting")
-    for case in _cases(visible):
+    for case in index_cases(visible):
         indices = {variable: Constant(value) for variable, value in case.items()}
-        channel = Term(element(visible.channel, _indices(visible, indices)))
-        process.edge(here, here, receive=channel, updates=list(_assignments(visible, noted, indices)))
+        channel = Term(element(visible.channel, channel_indices(visible, indices)))
+        process.edge(here, here, receive=channel, updates=list(noting_updates(visible, noted, indices)))
     return process.build()
-
-
-def _indices(visible: VisibleEvents, values: IndexValues) -> list[Expression]:
-    return [values[index] if isinstance(index, Variable) else index for index in visible.indices]
 
 
 def _noting_receiver(process: Process, visible: VisibleEvents, noted: Mapping[str, Term]) -> Process:
@@ -194,7 +152,7 @@ def _noting_edge(edge: Edge, visible: VisibleEvents, noted: Mapping[str, Term]) 
         return edge
     if channel_variable(sync.channel) is not channel_variable(visible.channel):
         return edge
-    given = _given_indices(sync.channel)
+    given = _givenchannel_indices(sync.channel)
     changed = written_variables(edge.updates)
     if any(isinstance(node, Reference) and node.variable in changed for node in _parts(given)):
         raise UsageError(
@@ -208,7 +166,7 @@ def _noting_edge(edge: Edge, visible: VisibleEvents, noted: Mapping[str, Term]) 
             indices[index] = expression
         else:
             same.append(Binary(BinaryOperator.EQUAL, expression, index, BOOL))
-    updates = [update.expression for update in _assignments(visible, noted, indices)]
+    updates = [update.expression for update in noting_updates(visible, noted, indices)]
     return replace(edge, updates=(*edge.updates, *(_where(same, update) for update in updates)))
 
 
@@ -221,7 +179,7 @@ def _where(conditions: Sequence[Expression], update: Expression) -> Expression:
     return replace(update, value=value)
 
 
-def _given_indices(channel: Expression) -> list[Expression]:
+def _givenchannel_indices(channel: Expression) -> list[Expression]:
     found: list[Expression] = []
     while isinstance(channel, Index):
         found.insert(0, channel.index)
@@ -230,8 +188,6 @@ def _given_indices(channel: Expression) -> list[Expression]:
 
 
 def _parts(expressions: Sequence[Expression]) -> Iterator[Expression]:
-    from tachk.model.traversal import walk
-
     for expression in expressions:
         yield from walk(expression)
 
@@ -248,7 +204,7 @@ def _streams(
     for visible, variables in zip(mapping.visible, noted, strict=True):
         is_input = not is_output(visible, modelled)
         places: dict[tuple[int, ...], int] = {}
-        for case in _cases(visible):
+        for case in index_cases(visible):
             common = {variable: case[variable] for variable in visible.per}
             key = tuple(common.values())
             if key not in places:

@@ -1,7 +1,7 @@
 """Programs as systems under test: they read inputs from stdin and write outputs to stdout, as JSON lines.
 
-`RealTimeProgram` runs by the clock of the wall. `DrivenProgram` has a clock of its own that the test moves on, so that a
-test of hours takes seconds, and is the same each time.
+`RealTimeProgram` runs by the clock of the wall. `DrivenProgram` has a clock of its own that the test moves on, so that
+a test of hours takes seconds, and is the same each time.
 """
 
 from __future__ import annotations

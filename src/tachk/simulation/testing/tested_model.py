@@ -8,10 +8,13 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
 from tachk.base.time_units import length_of
 from tachk.engine.options import Limits
+from tachk.engine.simulation.policy import Policy
 from tachk.frontend.loaded import LoadedModel
 from tachk.recordings.conformance.conform_file import constants_of, duration
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
+from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.system_adapter import SystemAdapter
 from tachk.simulation.testing.tester import TestResult, TestSettings, run_test
 
 
@@ -20,12 +23,13 @@ class TestRequest:
     """The arguments of a test, as of `tachk.api.testing.test`.
 
     Attributes:
+        adapter: the system, as `--adapter` names it; or a model, whose processes stand for the system.
         duration, pause, tolerance, late: durations such as ``5ms``; None: as the model says.
     """
 
     __test__ = False
 
-    adapter: str
+    adapter: str | LoadedModel
     duration: str
     seed: int = 0
     tolerance: str | None = None
@@ -58,8 +62,21 @@ def run_test_of_model(loaded: LoadedModel, name: str, request: TestRequest, limi
         None if request.pause is None else int(duration(request.pause, unit)),
         limits,
     )
-    system = open_adapter(request.adapter, nanoseconds_of(unit))
+    if isinstance(request.adapter, str):
+        system = open_adapter(request.adapter, nanoseconds_of(unit))
+    else:
+        system = _system_of(request.adapter, request.seed)
     return run_test(network, mapping, constants_of(loaded), system, settings)
+
+
+def _system_of(loaded: LoadedModel, seed: int) -> SystemAdapter:
+    if loaded.recording is None or not loaded.recording.replaced:
+        raise UsageError(
+            "the model that stands for the system has no recording that replaces its environment",
+            "make it a changed copy of the model of the test",
+        )
+    network, mapping = with_location_variables(loaded.network, loaded.recording)
+    return ModelledSystem(network, mapping, constants_of(loaded), seed, Policy.STOCHASTIC)
 
 
 def nanoseconds_of(time_unit: str) -> Fraction | None:

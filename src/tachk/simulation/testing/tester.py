@@ -29,6 +29,10 @@ from tachk.simulation.testing.observed_network import observed_network
 from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
 
 
+_AT_ONCE = 1_000
+"""The largest number of outputs at the same time."""
+
+
 class TestVerdict(StrEnum):
     """The result of a test."""
 
@@ -124,9 +128,7 @@ class _Test:
         self.random = Random(settings.seed)
         observed = observed_network(network, mapping)
         self.pause = observed.largest_constant if settings.pause is None else settings.pause
-        self.followed = FollowedSystem(
-            observed, mapping, constants, settings.tolerance, settings.late, settings.limits
-        )
+        self.followed = FollowedSystem(observed, mapping, constants, settings.tolerance, settings.late, settings.limits)
         self.known = Fraction(0)
         self.events: list[RecordedEvent] = []
         self.inputs = 0
@@ -156,9 +158,7 @@ class _Test:
         now = max(self.system.time(), self.known)
         spread = max(self.settings.tolerance, self.settings.late)
         self.allowed = self.followed.allowed(ceil(now) + self.pause + ceil(spread) + 1)
-        planned = random_input(
-            self.random, self.allowed, now, self.pause, self.settings.tolerance, self.settings.late
-        )
+        planned = random_input(self.random, self.allowed, now, self.pause, self.settings.tolerance, self.settings.late)
         self._wait(planned, now, spread)
         return True
 
@@ -168,16 +168,25 @@ class _Test:
         if self.allowed.bounded:  # a silence that is too long is seen a little later
             until = min(until, max(self.allowed.silent_until + spread + 1, now))
         until = min(until, self.settings.duration)
-        seen = self.system.next_output(until)
-        if seen is not None:
-            self.known = max(self.known, seen.time)
-            self._note(seen.time, seen.name, seen.cells)
+        if self._take_outputs(until):
             return
         self.known = until
         if planned is not None and planned.moment <= until:
             time = self.system.send(planned.event.name, planned.event.cells)
             self.inputs += 1
             self._note(time, planned.event.name, planned.event.cells)
+
+    def _take_outputs(self, until: Fraction) -> bool:
+        """Waits for an output, and takes those that come with it. False if none came."""
+        seen = self.system.next_output(until)
+        first = seen
+        for _ in range(_AT_ONCE):
+            if seen is None:
+                return first is not None
+            self.known = max(self.known, seen.time)
+            self._note(seen.time, seen.name, seen.cells)
+            seen = self.system.next_output(self.known)
+        raise SystemEndedError(f"the system sends {_AT_ONCE} outputs at the same time")
 
     def _note(self, time: Fraction, name: str, cells: Mapping[str, Cell]) -> None:
         event = RecordedEvent(time, name, cells, f"event {len(self.events) + 1}")

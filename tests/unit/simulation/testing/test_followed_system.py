@@ -34,8 +34,10 @@ def with_anyone(text: str, machines: int) -> str:
     }}
 }}
 system """
-    return text.replace("system ", anyone).replace("recording {", "recording {\n    replaces Anyone;").replace(
-        ";\nrecording", ", Anyone;\nrecording"
+    return (
+        text.replace("system ", anyone)
+        .replace("recording {", "recording {\n    replaces Anyone;")
+        .replace(";\nrecording", ", Anyone;\nrecording")
     )
 
 
