@@ -24,6 +24,7 @@ FLOORS = (
     "stubborn",
     "order",
     "reachability",
+    "estimation",
     "localtime",
     "liveness",
 )

@@ -48,6 +48,7 @@ LINES = {
     "step": ("step", "m.ta"),
     "monitor": ("monitor", *VESSEL, "--property", "cooling"),
     "conform": ("conform", DIMMER, PRESSED),
+    "test": ("test", DIMMER, "--simulate", DIMMER),
     "monitor --find": ("monitor", "G (valve -> F[0, T s] !valve)", VESSEL[1], "--find", "T=0..300"),
     "xrce decode": ("xrce", "decode", CAPTURE),
     "xrce measure": ("xrce", "measure", CAPTURE),

@@ -43,7 +43,7 @@ std::vector<Atom> atoms_of(const zones::ZoneOperations& operations, ConstZoneRef
 }
 
 // Adds a window to some that are apart.
-void unite(std::vector<Window>& windows, Window added) {
+void add_window(std::vector<Window>& windows, Window added) {
   std::vector<Window> apart;
   for (const Window& each : windows) {
     if (each.high < added.low || added.high < each.low) {
@@ -59,12 +59,6 @@ void unite(std::vector<Window>& windows, Window added) {
 
 }  // namespace
 
-std::size_t StateEstimate::KeyHash::operator()(const Key& key) const {
-  std::uint64_t hash = key.size();
-  for (const std::int32_t number : key) hash = (hash ^ static_cast<std::uint32_t>(number)) * 0x9E3779B97F4A7C15u;
-  return static_cast<std::size_t>(hash ^ hash >> 32);
-}
-
 StateEstimate::StateEstimate(program::Program program, const reachability::Options& options,
                              const reachability::Limits& limits, std::vector<VisibleChannel> channels,
                              std::size_t streams)
@@ -75,9 +69,9 @@ StateEstimate::StateEstimate(program::Program program, const reachability::Optio
       queues_(streams),
       settled_(streams),
       wanted_(graph_.program().edges.size()),
-      source_(graph_.blank()),
-      positions_(streams),
-      scratch_(graph_.operations()) {
+      expansion_{
+          graph_.blank(), none, std::vector<std::uint32_t>(streams), none, zones::ZoneBuffer(graph_.operations()),
+          none,           {}} {
   for (std::size_t place = 0; place < channels_.size(); ++place)
     visible_.at(static_cast<std::size_t>(channels_[place].channel)) = place;
 }
@@ -88,7 +82,7 @@ void StateEstimate::observe(std::size_t stream, Observation observation) {
 
 void StateEstimate::advance(Raw until) { begin(until, Aim::present); }
 
-void StateEstimate::look_ahead(Raw until) { begin(until, Aim::outlook); }
+void StateEstimate::predict(Raw until) { begin(until, Aim::prediction); }
 
 void StateEstimate::conclude() {
   Raw last = 0;
@@ -104,14 +98,9 @@ void StateEstimate::seek(Raw until, const std::vector<std::uint32_t>& edges) {
 }
 
 void StateEstimate::begin(Raw until, Aim aim) {
-  aim_ = aim;
-  until_ = until;
-  reached_ = {};
-  next_ = 0;
-  leads_.clear();
-  found_ = false;
-  lead_.reset();
-  outlook_ = {};
+  exploration_ = {};
+  exploration_.until = until;
+  exploration_.aim = aim;
 }
 
 // ---- the exploration ------------------------------------------------------------------------------------------------
@@ -121,19 +110,20 @@ struct StateEstimate::Following {
 
   static bool counts() { return false; }
   bool admits(const symbolic::Edges& edges) const {
-    const bool input = estimate.aim_ == Aim::outlook && edges.size() > 1;
-    estimate.sender_ = input ? edges.front() : none;
+    const bool input = estimate.exploration_.aim == Aim::prediction && edges.size() > 1;
+    estimate.expansion_.sender = input ? edges.front() : none;
     return true;
   }
   void possible(ConstZoneRef guarded, const symbolic::Effect& effect) const {
-    if (estimate.sender_ == none) return;
+    Expansion& expansion = estimate.expansion_;
+    if (expansion.sender == none) return;
     symbolic::ZoneGraph& graph = estimate.graph_;
     zones::ZoneBuffer zone(graph.operations());
     zone.assign(guarded);
     std::vector<Atom> atoms;
     if (!graph.semantics().weakest_precondition(effect, atoms)) return;
     if (!graph.operations().intersect(zone.get(), graph.program().dimension(), atoms.data(), atoms.size())) return;
-    estimate.accepted_.push_back({estimate.sender_, std::move(zone)});
+    expansion.accepted.push_back({expansion.sender, std::move(zone)});
   }
   void expect(const symbolic::Effect&) const {}
   bool enters(const symbolic::Successor& entry, const std::vector<Atom>& invariant) const {
@@ -155,46 +145,50 @@ Status StateEstimate::run(std::uint64_t expansions) {
 }
 
 Status StateEstimate::explore(std::uint64_t expansions) {
-  if (next_ == 0 && reached_.nodes.empty()) {
-    number_ = none;
-    lead_of_node_ = none;
-    if (!started_) {
-      std::fill(positions_.begin(), positions_.end(), 0);
-      graph_.start(Following{*this});
-    }
-    for (Node& node : present_) {
-      atoms_.clear();
-      if (!graph_.semantics().invariant(node.slots.data(), atoms_)) continue;
-      scratch_.assign(node.zone.get());
-      positions_ = node.positions;
-      const std::vector<Atom> invariant = atoms_;
-      settle(node.slots.data(), invariant);
-    }
-  }
-  while (next_ < reached_.nodes.size() && !found_) {
+  Exploration& exploration = exploration_;
+  if (exploration.next == 0 && exploration.reached.size() == 0) begin_with_present();
+  while (exploration.next < exploration.reached.size() && !exploration.found) {
     if (expansions-- == 0) return Status::running;
-    const std::uint32_t number = next_++;
-    if (reached_.nodes[number].covered) continue;
-    if (aim_ == Aim::end && is_through(reached_.nodes[number])) {
-      found_ = true;
+    const std::uint32_t number = exploration.next++;
+    const StateSet::Node& node = exploration.reached[number];
+    if (node.covered) continue;
+    if (exploration.aim == Aim::end && is_through(node)) {
+      exploration.found = true;
       break;
     }
     expand(number);
-    if (reached_.nodes.size() > limits_.states) return Status::state_limit;
+    if (exploration.reached.size() > limits_.states) return Status::state_limit;
   }
   finish();
   return Status::finished;
 }
 
+void StateEstimate::begin_with_present() {
+  expansion_.number = none;
+  expansion_.lead = none;
+  if (!started_) {
+    std::fill(expansion_.positions.begin(), expansion_.positions.end(), 0);
+    graph_.start(Following{*this});
+  }
+  std::vector<Atom> invariant;
+  for (StateSet::Node& node : present_) {
+    invariant.clear();
+    if (!graph_.semantics().invariant(node.slots.data(), invariant)) continue;
+    expansion_.zone.assign(node.zone.get());
+    expansion_.positions = node.positions;
+    settle(node.slots.data(), invariant);
+  }
+}
+
 void StateEstimate::expand(std::uint32_t number) {
-  const Node& node = reached_.nodes[number];
-  source_.slots = node.slots;
-  source_.zone.assign(node.zone.get());
-  number_ = number;
+  const StateSet::Node& node = exploration_.reached[number];
+  expansion_.source.slots = node.slots;
+  expansion_.source.zone.assign(node.zone.get());
+  expansion_.number = number;
+  expansion_.accepted.clear();
   ++explored_;
-  accepted_.clear();
-  graph_.expand(source_, Following{*this});
-  if (aim_ == Aim::outlook) note_refusals(number);
+  graph_.expand(expansion_.source, Following{*this});
+  if (exploration_.aim == Aim::prediction) note_blocked(number);
 }
 
 // The place of the visible channel on which edges synchronise in the source.
@@ -204,136 +198,134 @@ std::size_t StateEstimate::visible(std::span<const std::uint32_t> edges) {
   if (first.internal()) return invisible;
   const std::int64_t channel = first.channel_code == program::no_code
                                    ? first.channel
-                                   : graph_.semantics().value(first.channel_code, source_.slots.data());
+                                   : graph_.semantics().value(first.channel_code, expansion_.source.slots.data());
   return visible_[static_cast<std::size_t>(channel)];
 }
 
 void StateEstimate::step(const symbolic::Successor& entry, const std::vector<Atom>& invariant) {
-  scratch_.assign(entry.zone);
-  if (number_ != none) {
-    positions_ = reached_.nodes[number_].positions;
-    lead_of_node_ = reached_.nodes[number_].lead;
+  expansion_.zone.assign(entry.zone);
+  if (expansion_.number != none) {
+    expansion_.positions = exploration_.reached[expansion_.number].positions;
+    expansion_.lead = exploration_.reached[expansion_.number].lead;
   }
   const std::size_t place = visible(entry.edges);
-  const bool wanted = aim_ == Aim::edge && std::any_of(entry.edges.begin(), entry.edges.end(),
-                                                       [&](std::uint32_t edge) { return wanted_[edge]; });
-  if (place != invisible) {
-    const VisibleChannel& channel = channels_[place];
-    const std::deque<Observation>& queue = queues_[channel.stream];
-    std::uint32_t& position = positions_[channel.stream];
-    if (position < queue.size()) {
-      const Observation& observation = queue[position];
-      if (!matches(channel, observation, entry.slots)) return;
-      const Atom within[] = {at_least(observation.earliest), at_most(observation.latest)};
-      if (!graph_.operations().intersect(scratch_.get(), graph_.program().dimension(), within, 2)) return;
-      ++position;
-    } else if (aim_ == Aim::present || (aim_ == Aim::end && channel.input)) {
-      return;  // it would have been seen; inputs are those of the tester, who knows them all
-    } else if (aim_ == Aim::outlook) {
-      note(place, values(channel, entry.slots), window(entry.zone));
-      return;
-    } else if (aim_ == Aim::edge && lead_of_node_ == none) {
-      lead_of_node_ = static_cast<std::uint32_t>(leads_.size());
-      leads_.push_back({place, values(channel, entry.slots), window(entry.zone)});
+  if (place != invisible && !take(place, entry)) return;
+  const bool wanted = exploration_.aim == Aim::edge && std::any_of(entry.edges.begin(), entry.edges.end(),
+                                                                   [&](std::uint32_t edge) { return wanted_[edge]; });
+  if (!wanted) return settle(entry.slots, invariant);
+  exploration_.found = true;
+  if (expansion_.lead != none) exploration_.lead = exploration_.leads[expansion_.lead];
+}
+
+bool StateEstimate::take(std::size_t place, const symbolic::Successor& entry) {
+  const VisibleChannel& channel = channels_[place];
+  const std::deque<Observation>& queue = queues_[channel.stream];
+  std::uint32_t& position = expansion_.positions[channel.stream];
+  if (position < queue.size()) {
+    const Observation& observation = queue[position];
+    if (!matches(channel, observation, entry.slots)) return false;
+    const Atom within[] = {at_least(observation.earliest), at_most(observation.latest)};
+    if (!graph_.operations().intersect(expansion_.zone.get(), graph_.program().dimension(), within, 2)) return false;
+    ++position;
+  } else {
+    switch (exploration_.aim) {
+      case Aim::present:
+        return false;  // it would have been seen
+      case Aim::end:
+        if (channel.input) return false;  // the tester knows all inputs
+        break;
+      case Aim::prediction:
+        note(place, values(channel, entry.slots), window(entry.zone));
+        return false;
+      case Aim::edge:
+        if (expansion_.lead != none) break;
+        expansion_.lead = static_cast<std::uint32_t>(exploration_.leads.size());
+        exploration_.leads.push_back({place, values(channel, entry.slots), window(entry.zone)});
+        break;
     }
-    forget(channel, entry.slots);
   }
-  if (wanted) {
-    found_ = true;
-    lead_ = lead_of_node_ == none ? std::nullopt : std::optional(leads_[lead_of_node_]);
-    return;
-  }
-  settle(entry.slots, invariant);
+  forget(channel, entry.slots);
+  return true;
+}
+
+// Up to when time may pass where so many events have happened.
+Raw StateEstimate::latest() const {
+  Raw limit = exploration_.until;
+  for (std::size_t stream = 0; stream < queues_.size(); ++stream)
+    if (expansion_.positions[stream] < queues_[stream].size())
+      limit = std::min(limit, queues_[stream][expansion_.positions[stream]].latest);
+  return limit;
 }
 
 void StateEstimate::settle(std::int32_t* slots, const std::vector<Atom>& invariant) {
   const int dimension = graph_.program().dimension();
   const zones::ZoneOperations& operations = graph_.operations();
-  const std::vector<std::uint32_t> before = positions_;
   // An event that may not have happened is passed over in any state; the search tries both.
   for (std::size_t stream = 0; stream < queues_.size(); ++stream) {
-    if (positions_[stream] >= queues_[stream].size() || !queues_[stream][positions_[stream]].optional) continue;
-    zones::ZoneBuffer kept(operations);
-    kept.assign(scratch_.get());
-    ++positions_[stream];
+    const std::uint32_t position = expansion_.positions[stream];
+    if (position >= queues_[stream].size() || !queues_[stream][position].optional) continue;
+    const std::vector<std::uint32_t> before = expansion_.positions;
+    zones::ZoneBuffer zone = expansion_.zone;
+    ++expansion_.positions[stream];
     settle(slots, invariant);
-    positions_ = before;
-    scratch_.assign(kept.get());
+    expansion_.positions = before;
+    expansion_.zone = std::move(zone);
   }
-  Raw limit = until_;
-  for (std::size_t stream = 0; stream < queues_.size(); ++stream)
-    if (positions_[stream] < queues_[stream].size())
-      limit = std::min(limit, queues_[stream][positions_[stream]].latest);
-  const Atom last = at_most(limit);
-  if (!operations.intersect(scratch_.get(), dimension, &last, 1)) return;
+  const Atom last = at_most(latest());
+  if (!operations.intersect(expansion_.zone.get(), dimension, &last, 1)) return;
   if (graph_.semantics().time_passes(slots)) {
     std::vector<Atom> within = invariant;
     within.push_back(last);
-    operations.up_within(scratch_.get(), dimension, graph_.semantics().stopped_clocks(slots), within.data(),
+    operations.up_within(expansion_.zone.get(), dimension, graph_.semantics().stopped_clocks(slots), within.data(),
                          within.size());
   }
-  graph_.abstract(slots, scratch_, [&](ConstZoneRef zone) { add(reached_, slots, positions_, zone, lead_of_node_); });
-}
-
-bool StateEstimate::add(Nodes& nodes, const std::int32_t* slots, const std::vector<std::uint32_t>& positions,
-                        ConstZoneRef zone, std::uint32_t lead) {
-  const int dimension = graph_.program().dimension();
-  Key key(slots, slots + graph_.program().state_slots);
-  for (const std::uint32_t position : positions) key.push_back(static_cast<std::int32_t>(position));
-  std::vector<std::uint32_t>& same = nodes.places[std::move(key)];
-  for (const std::uint32_t other : same)
-    if (graph_.operations().includes(nodes.nodes[other].zone.get(), zone, dimension)) return false;
-  std::erase_if(same, [&](std::uint32_t other) {
-    const bool covers = graph_.operations().includes(zone, nodes.nodes[other].zone.get(), dimension);
-    if (covers) nodes.nodes[other].covered = true;
-    return covers;
+  graph_.abstract(slots, expansion_.zone, [&](ConstZoneRef zone) {
+    exploration_.reached.add(graph_, slots, expansion_.positions, zone, expansion_.lead);
   });
-  same.push_back(static_cast<std::uint32_t>(nodes.nodes.size()));
-  nodes.nodes.push_back(
-      {{slots, slots + graph_.program().slots.size()}, positions, zones::ZoneBuffer(graph_.operations()), lead, false});
-  nodes.nodes.back().zone.assign(zone);
-  return true;
 }
 
 // Optional events were passed over where that was possible.
-bool StateEstimate::is_through(const Node& node) const {
+bool StateEstimate::is_through(const StateSet::Node& node) const {
   for (std::size_t stream = 0; stream < queues_.size(); ++stream)
     if (node.positions[stream] < queues_[stream].size()) return false;
   return true;
 }
 
 void StateEstimate::finish() {
+  if (exploration_.aim == Aim::present) return move_on();
+  if (exploration_.aim != Aim::prediction) return;
+  Raw& silent_until = exploration_.prediction.silent_until;
+  for (const StateSet::Node& node : exploration_.reached.nodes())
+    silent_until = std::max(silent_until, window(node.zone.get()).high);
+}
+
+// The moment up to which was explored becomes the present one.
+void StateEstimate::move_on() {
   const int dimension = graph_.program().dimension();
   const zones::ZoneOperations& operations = graph_.operations();
-  if (aim_ == Aim::outlook) {
-    for (const Node& node : reached_.nodes)
-      outlook_.silent_until = std::max(outlook_.silent_until, window(node.zone.get()).high);
-    return;
-  }
-  if (aim_ != Aim::present) return;
-  Nodes here;
-  const Atom there = at_least(until_);
+  const Atom there = at_least(exploration_.until);
   const zones::ClockReset again{now, 0, 0};
-  for (Node& node : reached_.nodes) {
+  StateSet here;
+  for (StateSet::Node& node : exploration_.reached.nodes()) {
     if (node.covered || !operations.intersect(node.zone.get(), dimension, &there, 1)) continue;
     operations.reset(node.zone.get(), dimension, &again, 1);
-    add(here, node.slots.data(), node.positions, node.zone.get(), none);
+    here.add(graph_, node.slots.data(), node.positions, node.zone.get(), none);
   }
-  present_.clear();
-  for (Node& node : here.nodes)
-    if (!node.covered) present_.push_back(std::move(node));
   started_ = true;
-  reached_ = {};
+  present_.clear();
+  for (StateSet::Node& node : here.nodes())
+    if (!node.covered) present_.push_back(std::move(node));
+  exploration_.reached = {};
   for (std::size_t stream = 0; stream < queues_.size(); ++stream) {
-    std::size_t settled = queues_[stream].size();
-    for (const Node& node : present_) settled = std::min<std::size_t>(settled, node.positions[stream]);
-    queues_[stream].erase(queues_[stream].begin(),
-                          queues_[stream].begin() + static_cast<std::ptrdiff_t>(settled));
-    for (Node& node : present_) node.positions[stream] -= static_cast<std::uint32_t>(settled);
+    std::deque<Observation>& queue = queues_[stream];
+    std::size_t settled = queue.size();
+    for (const StateSet::Node& node : present_) settled = std::min<std::size_t>(settled, node.positions[stream]);
+    queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(settled));
+    for (StateSet::Node& node : present_) node.positions[stream] -= static_cast<std::uint32_t>(settled);
     settled_[stream] += settled;
-    for (Observation& observation : queues_[stream]) {
-      observation.earliest -= until_;
-      observation.latest -= until_;
+    for (Observation& observation : queue) {
+      observation.earliest -= exploration_.until;
+      observation.latest -= exploration_.until;
     }
   }
 }
@@ -365,22 +357,23 @@ Window StateEstimate::window(ConstZoneRef zone) const {
   const int dimension = graph_.program().dimension();
   const Raw low = graph_.operations().entry(zone, dimension, 0, now);
   const Raw high = graph_.operations().entry(zone, dimension, now, 0);
-  return {-zones::raw_value(low), high == zones::unbounded_entry ? until_ : std::min(until_, zones::raw_value(high))};
+  return {-zones::raw_value(low),
+          high == zones::unbounded_entry ? exploration_.until : std::min(exploration_.until, zones::raw_value(high))};
 }
 
 void StateEstimate::note(std::size_t channel, std::vector<std::int32_t> said, Window when) {
-  for (PossibleEvent& event : outlook_.events)
-    if (event.channel == channel && event.values == said) return unite(event.windows, when);
-  outlook_.events.push_back({channel, std::move(said), {when}});
+  for (PossibleEvent& event : exploration_.prediction.events)
+    if (event.channel == channel && event.values == said) return add_window(event.windows, when);
+  exploration_.prediction.events.push_back({channel, std::move(said), {when}});
 }
 
 // Where the environment can send over a channel that is no broadcast, and no receiver is ready. While no time can pass
 // the system is about to go on.
-void StateEstimate::note_refusals(std::uint32_t number) {
+void StateEstimate::note_blocked(std::uint32_t number) {
   const program::Program& program = graph_.program();
   const int dimension = program.dimension();
   symbolic::Semantics& semantics = graph_.semantics();
-  std::int32_t* slots = source_.slots.data();
+  std::int32_t* slots = expansion_.source.slots.data();
   if (!semantics.time_passes(slots)) return;
   for (std::uint32_t edge = 0; edge < program.edges.size(); ++edge) {
     const program::Edge& sender = program.edges[edge];
@@ -391,20 +384,20 @@ void StateEstimate::note_refusals(std::uint32_t number) {
     std::vector<Atom> guard;
     if (!semantics.holds(sender.guard, slots)) continue;
     semantics.resolve(sender.guard, slots, guard);
-    scratch_.assign(reached_.nodes[number].zone.get());
-    if (!graph_.operations().intersect(scratch_.get(), dimension, guard.data(), guard.size())) continue;
-    zones::Federation refused(graph_.operations(), dimension);
-    refused.add(scratch_.get());
-    for (const Accepted& accepted : accepted_)
-      if (accepted.edge == edge) refused.subtract(atoms_of(graph_.operations(), accepted.guarded.get(), dimension));
-    for (std::size_t piece = 0; piece < refused.size(); ++piece)
-      outlook_.refusals.push_back({place, window(refused[piece])});
+    expansion_.zone.assign(exploration_.reached[number].zone.get());
+    if (!graph_.operations().intersect(expansion_.zone.get(), dimension, guard.data(), guard.size())) continue;
+    zones::Federation blocked(graph_.operations(), dimension);
+    blocked.add(expansion_.zone.get());
+    for (const Accepted& accepted : expansion_.accepted)
+      if (accepted.edge == edge) blocked.subtract(atoms_of(graph_.operations(), accepted.guarded.get(), dimension));
+    for (std::size_t piece = 0; piece < blocked.size(); ++piece)
+      exploration_.prediction.blocked.push_back({place, window(blocked[piece])});
   }
 }
 
 std::vector<std::vector<std::int32_t>> StateEstimate::locations() const {
   std::vector<std::vector<std::int32_t>> found;
-  for (const Node& node : present_) {
+  for (const StateSet::Node& node : present_) {
     std::vector<std::int32_t> each(node.slots.begin(),
                                    node.slots.begin() + static_cast<std::ptrdiff_t>(graph_.program().processes.size()));
     if (std::find(found.begin(), found.end(), each) == found.end()) found.push_back(std::move(each));

@@ -3,17 +3,19 @@
 // using Uppaal", 2004, section 4: "symbolic reachable state set"; delays of observations as in "Monitoring of timed
 // automata with delays", 2024).
 //
-// The first clock of the program is the time since the present moment, which each `advance` moves on; nothing resets it.
-// Events of a stream happen in their recorded order, those of different streams as their windows allow.
+// The first clock of the program is the time since the present moment, which each `advance` moves on; nothing resets
+// it. Events of a stream happen in their recorded order, those of different streams as their windows allow.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <unordered_map>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "estimation/state_set.hpp"
 #include "program/program.hpp"
 #include "reachability/explorer.hpp"
 #include "symbolic/zone_graph.hpp"
@@ -60,15 +62,15 @@ struct PossibleEvent {
 };
 
 // When the system may not receive an input.
-struct Refusal {
+struct Blocking {
   std::size_t channel;
   Window window;
 };
 
 // What may happen first if nothing is seen.
-struct Outlook {
+struct Prediction {
   std::vector<PossibleEvent> events;
-  std::vector<Refusal> refusals;
+  std::vector<Blocking> blocked;
   Raw silent_until = 0;  // silence may last so long, at least up to where was looked if it is that
 };
 
@@ -93,7 +95,7 @@ class StateEstimate final {
   // first if nothing else is seen up to a moment; of whether all observations can happen, however the system goes on
   // unseen; of runs that take one of these edges within a time.
   void advance(Raw until);
-  void look_ahead(Raw until);
+  void predict(Raw until);
   void conclude();
   void seek(Raw until, const std::vector<std::uint32_t>& edges);
 
@@ -107,52 +109,66 @@ class StateEstimate final {
   std::uint64_t explored() const { return explored_; }
   // The locations of the processes in each possible state.
   std::vector<std::vector<std::int32_t>> locations() const;
-  const Outlook& outlook() const { return outlook_; }
+  const Prediction& prediction() const { return exploration_.prediction; }
   // Whether all observations can happen, or an edge was found, and the first event of that run; none if no event comes
   // before the edge.
-  bool found() const { return found_; }
-  const std::optional<Lead>& lead() const { return lead_; }
+  bool found() const { return exploration_.found; }
+  const std::optional<Lead>& lead() const { return exploration_.lead; }
 
  private:
-  enum class Aim : std::uint8_t { present, outlook, end, edge };
+  enum class Aim : std::uint8_t { present, prediction, end, edge };
   static constexpr std::uint32_t none = UINT32_MAX;
 
-  // A symbolic state with how many events of each stream have happened.
-  struct Node {
-    std::vector<std::int32_t> slots;
+  // What is explored, and what was found.
+  struct Exploration {
+    Aim aim = Aim::present;
+    Raw until = 0;
+    StateSet reached;
+    std::uint32_t next = 0;  // to be expanded
+    std::vector<Lead> leads;
+    bool found = false;
+    std::optional<Lead> lead;
+    Prediction prediction;
+  };
+
+  // Where the receiver of what an edge sends is ready.
+  struct Accepted {
+    std::uint32_t edge;
+    zones::ZoneBuffer guarded;
+  };
+
+  // The state that is expanded, and the one that a step leads to.
+  struct Expansion {
+    symbolic::SymbolicState source;
+    std::uint32_t number = none;
     std::vector<std::uint32_t> positions;
+    std::uint32_t lead = none;
     zones::ZoneBuffer zone;
-    std::uint32_t lead = none;  // the first event on the way to it
-    bool covered = false;
-  };
-  using Key = std::vector<std::int32_t>;
-  struct KeyHash {
-    std::size_t operator()(const Key& key) const;
-  };
-  // Nodes of which none covers another one.
-  struct Nodes {
-    std::vector<Node> nodes;
-    std::unordered_map<Key, std::vector<std::uint32_t>, KeyHash> places;
+    std::uint32_t sender = none;
+    std::vector<Accepted> accepted;
   };
   struct Following;
 
   void begin(Raw until, Aim aim);
   reachability::Status explore(std::uint64_t expansions);
+  void begin_with_present();
   void expand(std::uint32_t number);
   void step(const symbolic::Successor& entry, const std::vector<zones::Atom>& invariant);
-  // Lets time pass in `scratch_` and stores it, with `positions_` and `lead_of_node_`.
+  // Takes the next observation for a step, or goes on without one. False if the step is not followed.
+  bool take(std::size_t place, const symbolic::Successor& entry);
+  // Lets time pass in the zone of the expansion, and stores it.
   void settle(std::int32_t* slots, const std::vector<zones::Atom>& invariant);
-  bool add(Nodes& nodes, const std::int32_t* slots, const std::vector<std::uint32_t>& positions,
-           zones::ConstZoneRef zone, std::uint32_t lead);
+  Raw latest() const;
   bool matches(const VisibleChannel& channel, const Observation& observation, const std::int32_t* slots) const;
   std::size_t visible(std::span<const std::uint32_t> edges);
   std::vector<std::int32_t> values(const VisibleChannel& channel, const std::int32_t* slots) const;
   void forget(const VisibleChannel& channel, std::int32_t* slots) const;
   Window window(zones::ConstZoneRef zone) const;
   void note(std::size_t channel, std::vector<std::int32_t> values, Window window);
-  void note_refusals(std::uint32_t number);
-  bool is_through(const Node& node) const;
+  void note_blocked(std::uint32_t number);
+  bool is_through(const StateSet::Node& node) const;
   void finish();
+  void move_on();
 
   reachability::Limits limits_;
   symbolic::ZoneGraph graph_;
@@ -160,34 +176,12 @@ class StateEstimate final {
   std::vector<std::size_t> visible_;  // by number of a channel, its place among the visible ones
   std::vector<std::deque<Observation>> queues_;
   std::vector<std::size_t> settled_;
-  std::vector<Node> present_;
-
-  // Of the exploration under way.
-  Aim aim_ = Aim::present;
-  Raw until_ = 0;
-  Nodes reached_;
-  std::uint32_t next_ = 0;
   std::vector<bool> wanted_;  // edges
-  std::vector<Lead> leads_;
-  bool found_ = false;
-  std::optional<Lead> lead_;
-  Outlook outlook_;
-  std::uint64_t explored_ = 0;
-
-  // Of the node that is expanded.
-  symbolic::SymbolicState source_;
-  std::uint32_t number_ = none;
-  std::vector<std::uint32_t> positions_;
-  std::uint32_t lead_of_node_ = none;
-  zones::ZoneBuffer scratch_;
-  std::vector<zones::Atom> atoms_;
-  struct Accepted {
-    std::uint32_t edge;
-    zones::ZoneBuffer guarded;
-  };
-  std::vector<Accepted> accepted_;  // where the receivers of inputs are ready
-  std::uint32_t sender_ = none;
+  std::vector<StateSet::Node> present_;
   bool started_ = false;
+  Exploration exploration_;
+  Expansion expansion_;
+  std::uint64_t explored_ = 0;
 };
 
 }  // namespace tachk::estimation

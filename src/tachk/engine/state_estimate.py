@@ -37,7 +37,7 @@ class VisibleChannel:
 
 
 @dataclass(frozen=True, slots=True)
-class PossibleStep:
+class PredictedStep:
     """Attributes:
     channel: the place among the visible channels.
     values: of the columns.
@@ -50,17 +50,17 @@ class PossibleStep:
 
 
 @dataclass(frozen=True, slots=True)
-class Outlook:
+class Prediction:
     """What may happen first if nothing more is seen.
 
     Attributes:
         steps: the visible steps.
-        refusals: channels, by place, with windows in which the system may be unable to receive on them.
+        blocked: channels, by place, with windows in which the system may be unable to receive on them.
         silent_until: how long nothing may be seen; if that is the end of what was explored, perhaps longer.
     """
 
-    steps: tuple[PossibleStep, ...]
-    refusals: tuple[tuple[int, Window], ...]
+    steps: tuple[PredictedStep, ...]
+    blocked: tuple[tuple[int, Window], ...]
     silent_until: int
 
 
@@ -113,13 +113,13 @@ class StateEstimate:
         self._core.advance(until)
         self._run()
 
-    def outlook(self, until: int) -> Outlook:
+    def prediction(self, until: int) -> Prediction:
         """What may happen first up to a moment. Raises EstimateLimitError."""
-        self._core.look_ahead(until)
+        self._core.predict(until)
         self._run()
-        events, refusals, silent = self._core.outlook()
-        steps = tuple(PossibleStep(channel, tuple(values), tuple(windows)) for channel, values, windows in events)
-        return Outlook(steps, tuple(refusals), silent)
+        events, blocked, silent = self._core.prediction()
+        steps = tuple(PredictedStep(channel, tuple(values), tuple(windows)) for channel, values, windows in events)
+        return Prediction(steps, tuple(blocked), silent)
 
     def can_conclude(self) -> bool:
         """True if all that was observed can have happened, however the system goes on unseen from now on. Raises
@@ -128,13 +128,13 @@ class StateEstimate:
         self._run()
         return self._core.lead()[0]
 
-    def lead(self, until: int, edges: Sequence[int]) -> tuple[bool, PossibleStep | None]:
+    def lead(self, until: int, edges: Sequence[int]) -> tuple[bool, PredictedStep | None]:
         """Whether a run takes one of these edges within a time, and the first visible step of such a run; None if there
         is none before the edge. Raises EstimateLimitError."""
         self._core.seek(until, list(edges))
         self._run()
         found, lead = self._core.lead()
-        return found, None if lead is None else PossibleStep(lead[0], tuple(lead[1]), (lead[2],))
+        return found, None if lead is None else PredictedStep(lead[0], tuple(lead[1]), (lead[2],))
 
     def _run(self) -> None:
         job = current_job()

@@ -25,8 +25,8 @@ using estimation::StateEstimate;
 namespace {
 
 // (number of the channel, stream, whether it is an input, columns: (slot or None, constant))
-using ChannelTuple = std::tuple<std::int32_t, std::uint32_t, bool,
-                                std::vector<std::pair<std::optional<std::uint32_t>, std::int32_t>>>;
+using ChannelTuple =
+    std::tuple<std::int32_t, std::uint32_t, bool, std::vector<std::pair<std::optional<std::uint32_t>, std::int32_t>>>;
 using WindowTuple = std::pair<Raw, Raw>;
 using EventTuple = std::tuple<std::size_t, std::vector<std::int32_t>, std::vector<WindowTuple>>;
 
@@ -52,13 +52,11 @@ void bind_estimation(nb::module_& m) {
       .def(
           "observe",
           [](StateEstimate& self, std::size_t stream, std::vector<std::optional<std::int32_t>> values, Raw earliest,
-             Raw latest, bool optional) {
-            self.observe(stream, {std::move(values), earliest, latest, optional});
-          },
+             Raw latest, bool optional) { self.observe(stream, {std::move(values), earliest, latest, optional}); },
           nb::arg("stream"), nb::arg("values"), nb::arg("earliest"), nb::arg("latest"), nb::arg("optional") = false,
           "Adds an event behind those of its stream.")
       .def("advance", &StateEstimate::advance, nb::arg("until"), "Begins an exploration up to a moment.")
-      .def("look_ahead", &StateEstimate::look_ahead, nb::arg("until"),
+      .def("predict", &StateEstimate::predict, nb::arg("until"),
            "Begins an exploration of what may happen first if nothing else is seen.")
       .def("conclude", &StateEstimate::conclude,
            "Begins an exploration of whether all observations can happen, however the system goes on unseen.")
@@ -72,21 +70,21 @@ void bind_estimation(nb::module_& m) {
            "By stream, how many more observations have happened in all possible states since the last call.")
       .def("locations", &StateEstimate::locations, "The locations of the processes in each possible state.")
       .def(
-          "outlook",
+          "prediction",
           [](const StateEstimate& self) {
-            const estimation::Outlook& outlook = self.outlook();
+            const estimation::Prediction& prediction = self.prediction();
             std::vector<EventTuple> events;
-            for (const estimation::PossibleEvent& event : outlook.events) {
+            for (const estimation::PossibleEvent& event : prediction.events) {
               std::vector<WindowTuple> windows;
               for (const estimation::Window& window : event.windows) windows.push_back(pair_of(window));
               events.push_back({event.channel, event.values, std::move(windows)});
             }
-            std::vector<std::pair<std::size_t, WindowTuple>> refusals;
-            for (const estimation::Refusal& refusal : outlook.refusals)
-              refusals.push_back({refusal.channel, pair_of(refusal.window)});
-            return std::make_tuple(events, refusals, outlook.silent_until);
+            std::vector<std::pair<std::size_t, WindowTuple>> blocked;
+            for (const estimation::Blocking& blocking : prediction.blocked)
+              blocked.push_back({blocking.channel, pair_of(blocking.window)});
+            return std::make_tuple(events, blocked, prediction.silent_until);
           },
-          "(events: (place of the channel, values, windows), refusals: (place of the channel, window), how long "
+          "(events: (place of the channel, values, windows), blocked: (place of the channel, window), how long "
           "silence may last)")
       .def(
           "lead",

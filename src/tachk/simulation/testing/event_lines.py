@@ -34,18 +34,18 @@ def read_line(line: bytes) -> tuple[str | None, Mapping[str, Cell], Fraction | N
     Raises UsageError for a line that is none of that.
     """
     try:
-        row = json.loads(line, parse_float=Fraction, parse_constant=_refused)
+        row = json.loads(line, parse_float=Fraction, parse_constant=_no_number)
     except (ValueError, RecursionError):
-        raise _refusal(line, "is not JSON") from None
+        raise _rejection(line, "is not JSON") from None
     if not isinstance(row, dict):
-        raise _refusal(line, "is not a JSON object")
+        raise _rejection(line, "is not a JSON object")
     name, time = row.pop(EVENT, None), row.pop(TIME, None)
     if name is not None and not isinstance(name, str):
-        raise _refusal(line, f"has an `{EVENT}` that is not a text")
+        raise _rejection(line, f"has an `{EVENT}` that is not a text")
     if name is None and time is None:
-        raise _refusal(line, f"has neither `{EVENT}` nor `{TIME}`")
+        raise _rejection(line, f"has neither `{EVENT}` nor `{TIME}`")
     if time is not None and (isinstance(time, bool) or not isinstance(time, int | Fraction)):
-        raise _refusal(line, f"has a `{TIME}` that is not a number")
+        raise _rejection(line, f"has a `{TIME}` that is not a number")
     cells: dict[str, Cell] = {}
     for column, cell in row.items():
         if isinstance(cell, bool):
@@ -53,15 +53,15 @@ def read_line(line: bytes) -> tuple[str | None, Mapping[str, Cell], Fraction | N
         elif isinstance(cell, int | str):
             cells[column] = cell
         elif cell is not None:
-            raise _refusal(line, f"has a `{column}` that is neither a whole number nor a text")
+            raise _rejection(line, f"has a `{column}` that is neither a whole number nor a text")
     return name, cells, None if time is None else Fraction(time)
 
 
-def _refused(constant: str) -> None:
+def _no_number(constant: str) -> None:
     raise ValueError(constant)
 
 
-def _refusal(line: bytes, why: str) -> UsageError:
+def _rejection(line: bytes, why: str) -> UsageError:
     text = line.decode("utf-8", "replace").rstrip()
     shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
     return UsageError(

@@ -12,7 +12,7 @@ from tachk.engine.state_estimate import StateEstimate, Window
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.event_streams import Constants, EventStreamReader
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
-from tachk.simulation.testing.observed_network import LONGEST, ObservedNetwork, ObservedStream
+from tachk.simulation.testing.instrumented_network import LONGEST, InstrumentedNetwork, ObservedStream
 
 SOURCE = "the system"
 """The name of what is followed, in messages."""
@@ -25,14 +25,14 @@ class AllowedEvent:
     Attributes:
         cells: what it contains, by column.
         windows: when, in units of the model since its start.
-        refusals: when a system as the model describes it may not be able to receive it; empty for an output.
+        blocked: when a system as the model describes it may not be able to receive it; empty for an output.
     """
 
     name: str
     cells: Mapping[str, Cell]
     is_input: bool
     windows: tuple[Window, ...]
-    refusals: tuple[Window, ...] = ()
+    blocked: tuple[Window, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,9 +51,8 @@ class AllowedNext:
 class FollowedSystem:
     """The states in which a system may be that is as its model says.
 
-    Times are in units of the model since its start. An event that was seen at t happened in [t - late, t + tolerance] if
-    the system did it, in [t - tolerance, t + late] if it was an input, rounded outwards to whole units; as
-    `tachk conform` has it.
+    Times are in units of the model since its start. An output that was seen at t happened in [t - late, t + tolerance],
+    an input in [t - tolerance, t + late], rounded outwards to whole units, as `tachk conform` has it.
 
     Attributes:
         moment: what happened until then has been seen, and the states are those of this moment.
@@ -61,7 +60,7 @@ class FollowedSystem:
 
     def __init__(
         self,
-        observed: ObservedNetwork,
+        observed: InstrumentedNetwork,
         mapping: RecordingMap,
         constants: Constants,
         tolerance: Fraction,
@@ -127,22 +126,22 @@ class FollowedSystem:
     def allowed(self, until: int) -> AllowedNext:
         """What may happen first if nothing more is seen, up to a moment. Raises EstimateLimitError."""
         length = min(max(until - self.moment, 0), LONGEST // 2)
-        outlook = self._estimate.outlook(length)
-        refusals: dict[int, list[Window]] = {}
-        for channel, window in outlook.refusals:
-            refusals.setdefault(channel, []).append(self._since_start(window))
+        prediction = self._estimate.prediction(length)
+        blocked: dict[int, list[Window]] = {}
+        for channel, window in prediction.blocked:
+            blocked.setdefault(channel, []).append(self._since_start(window))
         events = tuple(
             AllowedEvent(
                 stream.visible.event,
                 self._cells(stream, step.values),
                 stream.is_input,
                 tuple(map(self._since_start, step.windows)),
-                tuple(refusals.get(step.channel, ())),
+                tuple(blocked.get(step.channel, ())),
             )
-            for step in outlook.steps
+            for step in prediction.steps
             for stream in (self._observed.streams[self._observed.channels[step.channel].stream],)
         )
-        return AllowedNext(events, self.moment + outlook.silent_until, outlook.silent_until < length)
+        return AllowedNext(events, self.moment + prediction.silent_until, prediction.silent_until < length)
 
     def _since_start(self, window: Window) -> Window:
         return window[0] + self.moment, window[1] + self.moment

@@ -56,19 +56,19 @@ def _moments(
 ) -> Iterator[tuple[Fraction, Fraction]]:
     """The intervals of moments at which the event can be sent and is received for sure."""
     for low, high in event.windows:
-        yield from _without(max(Fraction(low), first), min(Fraction(high), last), event.refusals, tolerance, late)
+        yield from _without(max(Fraction(low), first), min(Fraction(high), last), event.blocked, tolerance, late)
 
 
 def _without(
-    low: Fraction, high: Fraction, refusals: tuple[Window, ...], tolerance: Fraction, late: Fraction
+    low: Fraction, high: Fraction, blocked: tuple[Window, ...], tolerance: Fraction, late: Fraction
 ) -> Iterator[tuple[Fraction, Fraction]]:
-    """What is left of an interval where an input does not happen in any of the refusals."""
+    """What is left of an interval where an input does not happen in any of the blocked."""
     if low > high:
         return
-    for begin, end in refusals:
+    for begin, end in blocked:
         before, behind = begin - late, end + tolerance
-        if low <= behind and before <= high:  # the borders of refusals are rounded outwards
-            yield from _without(low, min(high, before - 1), refusals, tolerance, late)
-            yield from _without(max(low, behind + 1), high, refusals, tolerance, late)
+        if low <= behind and before <= high:  # the borders of blocked are rounded outwards
+            yield from _without(low, min(high, before - 1), blocked, tolerance, late)
+            yield from _without(max(low, behind + 1), high, blocked, tolerance, late)
             return
     yield low, high

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from tempfile import NamedTemporaryFile
 
 from tachk import _core
 from tachk.base.diagnostics.diagnostic import UsageError
@@ -42,8 +40,8 @@ from tachk.recordings.conformance.event_streams import (
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.trace_product import with_channels
 from tachk.simulation.columns import Column, observed
-from tachk.simulation.fmi.resource_file import resource_file
 from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable, common, observations
+from tachk.simulation.fmi.unit_run import begin_run
 from tachk.simulation.testing.event_columns import (
     ANYTHING,
     channel_indices,
@@ -56,6 +54,8 @@ from tachk.simulation.testing.event_columns import (
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemEndedError
 
 _SOURCE = "the test"
+_AT_ONCE = 1_000
+"""The largest number of transitions at the same time."""
 _ACTS = Variable("outside.acts", ANYTHING, VariableKind.GLOBAL, (0,))
 
 
@@ -110,16 +110,7 @@ class ModelledSystem:
         self._run: _core.UnitRun | None = None
 
     def start(self) -> None:
-        with NamedTemporaryFile(suffix=".bin", delete=False) as file:
-            file.write(resource_file(self._unit).content)
-        try:
-            self._run = _core.UnitRun(file.name)
-        finally:
-            os.unlink(file.name)
-        names = [variable.name for variable in self._unit.variables]
-        self._run.set_number(names.index("seed"), FmiType.NATURAL, self._seed)
-        self._run.set_number(names.index("policy"), FmiType.ENUMERATION, list(Policy).index(self._policy))
-        self._run.begin()
+        self._run = begin_run(self._unit, self._seed, self._policy)
         self._react()
 
     def time(self) -> Fraction:
@@ -148,7 +139,7 @@ class ModelledSystem:
         run, last = self._under_way, int(until * TICKS_PER_UNIT)
         while not self._seen:
             if run.over:
-                raise SystemEndedError("time stands still in the model, or it acts without end in no time")
+                raise SystemEndedError("time stands still in the model")
             moment = run.next_event()
             if moment > last:
                 break
@@ -163,14 +154,16 @@ class ModelledSystem:
 
     def _react(self) -> bool:
         """Lets happen what happens at this moment, and notes outputs. True if something did."""
-        run, moved = self._under_way, False
+        run, transitions = self._under_way, 0
         while run.react():
-            moved = True
+            transitions += 1
+            if transitions > _AT_ONCE:
+                raise SystemEndedError(f"the model takes {_AT_ONCE} transitions at the same time")
             for output in self._outputs:
                 if run.ticks(output.place):
                     noted = {column: run.number(place, FmiType.INTEGER) for column, place in output.noted.items()}
                     self._seen.append(SeenOutput(self.time(), output.visible.event, self._cells(output, noted)))
-        return moved
+        return transitions > 0
 
     @staticmethod
     def _cells(output: _OutputEdge, noted: Mapping[str, int]) -> dict[str, Cell]:
@@ -202,54 +195,93 @@ def _case_of(visible: VisibleEvents, contents: Mapping[str, int | None]) -> tupl
 
 
 Inputs = Mapping[tuple[int, tuple[int, ...]], _InputEdge]
+"""By the number of the clause and the values of its indices."""
+
+
+class _Outside:
+    """The process that stands for all that is replaced: it receives what the system sends, and sends what it receives.
+
+    Attributes:
+        edges: of the process, which has one location.
+        sends: what the system sends: the clause, the number of the edge, the columns that the channel says, and the
+            variables that hold the others.
+        receives: what it receives: the clause and the values of its indices, the number of the edge, and the variables
+            that its columns are copied from.
+        calm: channels that the environment sends on, as broadcast channels.
+    """
+
+    def __init__(self, network: Network, mapping: RecordingMap) -> None:
+        self.builder = NetworkBuilder("outside.", VariableKind.GLOBAL)
+        self.edges: list[Edge] = []
+        self.sends: list[tuple[VisibleEvents, int, dict[str, int], dict[str, Term]]] = []
+        self.receives: list[tuple[tuple[int, tuple[int, ...]], int, dict[str, Term]]] = []
+        self.calm: dict[Variable, Variable] = {}
+        modelled = [process for n, process in enumerate(network.processes) if n not in mapping.replaced]
+        for number, visible in enumerate(mapping.visible):
+            outgoing = is_output(visible, modelled)
+            if not outgoing and not is_broadcast(visible):
+                self.calm |= _as_broadcast(visible, modelled)
+            variables = noted_variables(self.builder, number, visible)
+            for case in index_cases(visible):
+                if outgoing:
+                    self._add_output(visible, case, variables)
+                else:
+                    self._add_input(number, visible, case, variables)
+        self.edges.append(Edge(0, 0, guard=_never(), updates=(_again(),)))
+
+    def _add_output(self, visible: VisibleEvents, case: Mapping[Variable, int], variables: dict[str, Term]) -> None:
+        indices = {variable: Constant(value) for variable, value in case.items()}
+        fixed = {
+            column: expression.value if isinstance(expression, Constant) else case[expression.variable]
+            for column, expression in visible.columns
+            if isinstance(expression, Constant | Reference) and is_of_channel(visible, expression)
+        }
+        self.sends.append((visible, len(self.edges), fixed, variables))
+        updates = [term.expression for term in noting_updates(visible, variables, indices)]
+        self._add_edge(visible, case, Direction.RECEIVE, None, updates)
+
+    def _add_input(
+        self, number: int, visible: VisibleEvents, case: Mapping[Variable, int], variables: dict[str, Term]
+    ) -> None:
+        self.receives.append(((number, tuple(case.values())), len(self.edges), variables))
+        updates = [
+            _given(visible, column, expression, variables)
+            for column, expression in visible.columns
+            if column in variables
+        ]
+        self._add_edge(visible, case, Direction.SEND, _never(), [*updates, _again()])
+
+    def _add_edge(
+        self,
+        visible: VisibleEvents,
+        case: Mapping[Variable, int],
+        direction: Direction,
+        guard: Expression | None,
+        updates: list[Expression],
+    ) -> None:
+        indices = {variable: Constant(value) for variable, value in case.items()}
+        channel = element(visible.channel, channel_indices(visible, indices))
+        synchronisation = Synchronisation(channel, direction)
+        self.edges.append(Edge(0, 0, guard=guard, synchronisation=synchronisation, updates=tuple(updates)))
+
+    def opened(self, network: Network, replaced: frozenset[int]) -> Network:
+        """The network with this process in place of others."""
+        system = (_stub(process) if n in replaced else process for n, process in enumerate(network.processes))
+        outside = Process("outside", "outside", (Location("all"),), tuple(self.edges))
+        variables = (self.calm.get(variable, variable) for variable in network.variables)
+        return replace(
+            network,
+            processes=tuple(with_channels(process, self.calm) for process in (*system, outside)),
+            variables=(*variables, *self.builder.variables, _ACTS),
+            signals=(),
+        )
 
 
 def _unit_of(network: Network, mapping: RecordingMap) -> tuple[CoSimulationUnit, tuple[_OutputEdge, ...], Inputs]:
     """The unit of the processes that are the system, with the edges of its environment."""
-    modelled = [process for n, process in enumerate(network.processes) if n not in mapping.replaced]
-    builder = NetworkBuilder("outside.", VariableKind.GLOBAL)
-    edges: list[Edge] = []
-    sends: list[tuple[VisibleEvents, int, dict[str, int], dict[str, Term]]] = []
-    receives: list[tuple[int, tuple[int, ...], int, dict[str, Term]]] = []
-    calm: dict[Variable, Variable] = {}
-    for number, visible in enumerate(mapping.visible):
-        outgoing = is_output(visible, modelled)
-        if not outgoing and not is_broadcast(visible):
-            calm |= _as_broadcast(visible, modelled)
-        variables = noted_variables(builder, number, visible)
-        for case in index_cases(visible):
-            indices = {variable: Constant(value) for variable, value in case.items()}
-            channel = element(visible.channel, channel_indices(visible, indices))
-            if outgoing:
-                updates = [term.expression for term in noting_updates(visible, variables, indices)]
-                fixed = {
-                    column: expression.value if isinstance(expression, Constant) else case[expression.variable]
-                    for column, expression in visible.columns
-                    if isinstance(expression, Constant | Reference) and is_of_channel(visible, expression)
-                }
-                sends.append((visible, len(edges), fixed, variables))
-                edges.append(_edge(channel, Direction.RECEIVE, None, updates))
-            else:
-                updates = [
-                    _given(visible, column, expression, variables)
-                    for column, expression in visible.columns
-                    if column in variables
-                ]
-                receives.append((number, tuple(case.values()), len(edges), variables))
-                edges.append(_edge(channel, Direction.SEND, _never(), [*updates, _again()]))
-    edges.append(Edge(0, 0, guard=_never(), updates=(_again(),)))
-    opened = replace(
-        network,
-        processes=tuple(
-            with_channels(_stub(process) if n in mapping.replaced else process, calm)
-            for n, process in enumerate(
-                (*network.processes, Process("outside", "outside", (Location("all"),), tuple(edges)))
-            )
-        ),
-        variables=(*(calm.get(variable, variable) for variable in network.variables), *builder.variables, _ACTS),
-        signals=(),
-    )
-    columns = [Column(variable.name, Reference(variable)) for variable in builder.variables]
+    environment = _Outside(network, mapping)
+    opened = environment.opened(network, mapping.replaced)
+    columns = [Column(variable.name, Reference(variable)) for variable in environment.builder.variables]
     program, chances = lower_simulation(opened, observed(columns))
     last = len(opened.processes) - 1
     numbers = {edge.edge: n for n, edge in enumerate(program.edges) if edge.process == last}
@@ -257,22 +289,22 @@ def _unit_of(network: Network, mapping: RecordingMap) -> tuple[CoSimulationUnit,
     made: list[UnitVariable] = [*common(), *observations(columns, program)]
     places = {variable.name: place for place, variable in enumerate(made)}
     outputs = []
-    for visible, edge, fixed, variables in sends:
+    for visible, edge, fixed, variables in environment.sends:
         noted = {column: places[_name(variable)] for column, variable in variables.items()}
         outputs.append(_OutputEdge(visible, len(made), fixed, noted))
         made.append(UnitVariable(f"send[{edge}]", Role.SENDS, FmiType.CLOCK, numbers[edge]))
-    inputs = {}
     given: dict[str, int] = {}
-    for clause, values, edge, variables in receives:
-        for variable in variables.values():
-            name = _name(variable)
+    for _, _, variables in environment.receives:
+        for name in map(_name, variables.values()):
             if name not in given:
                 given[name] = len(made)
                 made.append(UnitVariable(f"given {name}", Role.INPUT, FmiType.INTEGER, slots[name], start=0))
-        inputs[clause, values] = _InputEdge(len(made), {c: given[_name(v)] for c, v in variables.items()})
+    inputs = {}
+    for key, edge, variables in environment.receives:
+        inputs[key] = _InputEdge(len(made), {column: given[_name(v)] for column, v in variables.items()})
         made.append(UnitVariable(f"receive[{edge}]", Role.RECEIVES, FmiType.CLOCK, numbers[edge]))
-    second = Fraction(TICKS_PER_UNIT)
-    unit = CoSimulationUnit("system", program, chances, tuple(made), second, numbers[len(edges) - 1])
+    nudge = numbers[len(environment.edges) - 1]
+    unit = CoSimulationUnit("system", program, chances, tuple(made), Fraction(TICKS_PER_UNIT), nudge)
     return unit, tuple(outputs), inputs
 
 
@@ -283,10 +315,6 @@ def _name(variable: Term) -> str:
 
 def _stub(process: Process) -> Process:
     return Process(process.name, process.template, (Location("elsewhere"),), ())
-
-
-def _edge(channel: Expression, direction: Direction, guard: Expression | None, updates: list[Expression]) -> Edge:
-    return Edge(0, 0, guard=guard, synchronisation=Synchronisation(channel, direction), updates=tuple(updates))
 
 
 def _never() -> Expression:

@@ -34,7 +34,7 @@ def command_of(text: str) -> list[str]:
     return words
 
 
-class _Program:
+class _StreamedProgram:
     """A process with pipes."""
 
     def __init__(self, command: Sequence[str]) -> None:
@@ -65,7 +65,8 @@ class _Program:
         how = f"with status {status}" if status >= 0 else f"by signal {-status}"
         return SystemEndedError(f"{self.command[0]} has ended {how}")
 
-    def close(self) -> None:
+    def close(self, reader: threading.Thread | None = None) -> None:
+        """Ends the process and the thread that reads from it."""
         process = self.process
         if process is None:
             return
@@ -79,6 +80,10 @@ class _Program:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+        if reader is not None:
+            reader.join()
+        if process.stdout is not None:
+            process.stdout.close()
 
     def not_ready(self) -> UsageError:
         return UsageError(
@@ -92,16 +97,18 @@ class RealTimeProgram:
 
     def __init__(self, command: Sequence[str], nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        self._program = _Program(command)
+        self._program = _StreamedProgram(command)
         self._nanoseconds = nanoseconds
         self._begun = 0
         self._seen: deque[tuple[int, bytes]] = deque()
         self._over = False
         self._change = threading.Condition()
+        self._reader: threading.Thread | None = None
 
     def start(self) -> None:
         process = self._program.spawn()
-        threading.Thread(target=self._read, args=(process,), daemon=True).start()
+        self._reader = threading.Thread(target=self._read, args=(process,), daemon=True)
+        self._reader.start()
         with self._change:
             self._change.wait_for(lambda: self._seen or self._over, _SECONDS_TO_START)
             first = self._seen.popleft() if self._seen else None
@@ -145,7 +152,7 @@ class RealTimeProgram:
         return SeenOutput(self._units(moment), name or "", cells)
 
     def close(self) -> None:
-        self._program.close()
+        self._program.close(self._reader)
 
 
 class DrivenProgram:
@@ -156,7 +163,7 @@ class DrivenProgram:
     """
 
     def __init__(self, command: Sequence[str]) -> None:
-        self._program = _Program(command)
+        self._program = _StreamedProgram(command)
         self._now = Fraction(0)
 
     def start(self) -> None:

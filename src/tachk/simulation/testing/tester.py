@@ -25,9 +25,8 @@ from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
 from tachk.simulation.testing.input_choice import PlannedInput, random_input
-from tachk.simulation.testing.observed_network import observed_network
+from tachk.simulation.testing.instrumented_network import instrumented_network
 from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
-
 
 _AT_ONCE = 1_000
 """The largest number of outputs at the same time."""
@@ -100,16 +99,16 @@ def run_test(
     Raises UsageError for a model that cannot be followed, for a system that does not start, and for lines that are no
     events, UnsupportedError, and InternalError if the verdict is not that of the recording.
     """
-    test = _Test(network, mapping, constants, system, settings)
-    system.start()
+    test = _TestUnderWay(network, mapping, constants, system, settings)
     try:
+        system.start()
         test.run()
     finally:
         system.close()
     return test.result()
 
 
-class _Test:
+class _TestUnderWay:
     """A test under way."""
 
     def __init__(
@@ -126,7 +125,7 @@ class _Test:
         self.system = system
         self.settings = settings
         self.random = Random(settings.seed)
-        observed = observed_network(network, mapping)
+        observed = instrumented_network(network, mapping)
         self.pause = observed.largest_constant if settings.pause is None else settings.pause
         self.followed = FollowedSystem(observed, mapping, constants, settings.tolerance, settings.late, settings.limits)
         self.known = Fraction(0)

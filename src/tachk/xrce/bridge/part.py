@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from tempfile import NamedTemporaryFile
 
 from tachk import _core
 from tachk.base.records import dataclass
 from tachk.engine.simulation.policy import Policy
 from tachk.model.network import Network
 from tachk.simulation.fmi.environment import OUTSIDE, SENT
-from tachk.simulation.fmi.resource_file import resource_file
-from tachk.simulation.fmi.unit import CoSimulationUnit, FmiType, Role, UnitVariable, open_unit
+from tachk.simulation.fmi.unit import CoSimulationUnit, Role, UnitVariable, open_unit
+from tachk.simulation.fmi.unit_run import begin_run
 
 _NANOSECONDS = 10**9
 
@@ -42,14 +40,11 @@ class BridgedPart:
     ) -> None:
         """Raises UsageError for a part that cannot run on its own, UnsupportedError for what is not simulated."""
         self._unit: CoSimulationUnit = open_unit(network, names, "part", clocks=True)
-        self._unit_run = _unit_run(self._unit)
         self._places = {variable.name: place for place, variable in enumerate(self._unit.variables)}
         self.receives = self._channels(Role.RECEIVES)
         self.sends = self._channels(Role.SENDS)
         self._payload = [v for v in self._unit.variables if v.role is Role.OBSERVED and v.name.startswith(SENT)]
-        self._unit_run.set_number(self._places["seed"], FmiType.NATURAL, seed)
-        self._unit_run.set_number(self._places["policy"], FmiType.ENUMERATION, list(Policy).index(policy))
-        self._unit_run.begin()
+        self._unit_run = begin_run(self._unit, seed, policy)
 
     @property
     def is_over(self) -> bool:
@@ -101,12 +96,3 @@ class BridgedPart:
 
     def _channels(self, role: Role) -> tuple[str, ...]:
         return tuple(variable.name[:-1] for variable in self._unit.variables if variable.role is role)
-
-
-def _unit_run(unit: CoSimulationUnit) -> _core.UnitRun:
-    with NamedTemporaryFile(suffix=".bin", delete=False) as file:
-        file.write(resource_file(unit).content)
-    try:
-        return _core.UnitRun(file.name)
-    finally:
-        os.unlink(file.name)

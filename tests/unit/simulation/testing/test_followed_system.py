@@ -12,7 +12,7 @@ from tachk.engine.options import Limits
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import RecordedEvent
 from tachk.simulation.testing.followed_system import FollowedSystem
-from tachk.simulation.testing.observed_network import observed_network
+from tachk.simulation.testing.instrumented_network import instrumented_network
 from tests.support.seeds import seeds
 from tests.unit.recordings.conformance.small_models import (
     KEYS,
@@ -44,7 +44,7 @@ system """
 def followed(model: tachk.Model, tolerance: int, late: int) -> FollowedSystem:
     assert model.loaded.recording is not None
     mapping = model.loaded.recording
-    observed = observed_network(model.network, mapping)
+    observed = instrumented_network(model.network, mapping)
     return FollowedSystem(
         observed, mapping, constants_of(model.loaded), Fraction(tolerance), Fraction(late), Limits(states=100_000)
     )
@@ -85,3 +85,34 @@ def test_following_agrees_with_a_second_definition(seed: int) -> None:
         expected = is_run(machines, events, end, tolerance, late, hidden=False)
         system = followed(model, tolerance, late)
         assert goes_along(random, system, events, end) is expected, f"seed {seed}, case {case}"
+
+
+@pytest.mark.parametrize("seed", seeds(range(4)))
+def test_events_are_allowed_exactly_in_their_windows(seed: int) -> None:
+    """With an event within a window it is still a run, with one outside of all windows it is not."""
+    random = Random(seed)
+    machines = (random_machine(random),)
+    while not any(edge.label == "out" for edge in machines[0].edges):
+        machines = (random_machine(random),)
+    model = tachk.loads(with_anyone(text_of(machines, hidden=False), 1))
+    for _ in range(6):
+        events, end = random_run(random, machines, random.randint(2, 8), hidden=False)
+        system = followed(model, 0, 0)
+        for event in events:
+            system.observe(recorded(event))
+        system.advance(Fraction(end))
+        until = end + 5
+        allowed = system.allowed(until)
+        windows = {(each.name, *each.cells.values()): each.windows for each in allowed.events}
+        for time in range(end, until + 1):
+            for number in range(3):
+                for key in range(KEYS):
+                    made = Event(time, 0, "out", key, number)
+                    inside = any(low <= time <= high for low, high in windows.get(("out", 0, key, number), ()))
+                    assert is_run(machines, [*events, made], time, 0, 0, hidden=False) is inside
+            for key in range(KEYS):
+                heard = Event(time, 0, "in", key, 0)
+                inside = any(low <= time <= high for low, high in windows.get(("in", 0, key), ()))
+                assert is_run(machines, [*events, heard], time, 0, 0, hidden=False) is inside
+            silent = is_run(machines, events, time, 0, 0, hidden=False)
+            assert silent is (time <= allowed.silent_until), "how long nothing may be seen"

@@ -1,9 +1,9 @@
 """A network that notes what events contain, for the set of states that goes along with a system.
 
-What a `recording { ... }` replaces is the environment here: it stays in the network, and what it sends are the inputs of
-the system (Larsen, Mikucionis, Nielsen, "Online testing of real-time systems using Uppaal", 2004: a closed network of
-the implementation and its environment). Each visible step copies the columns of its event into variables, at its end: a
-process that receives broadcasts last does so, or the receiver of a step of two.
+What a `recording { ... }` replaces is the environment here: it stays in the network, and what it sends are the inputs
+of the system (Larsen, Mikucionis, Nielsen, "Online testing of real-time systems using Uppaal", 2004: a closed network
+of the implementation and its environment). Each visible step copies the columns of its event into variables, at its
+end: a process that receives broadcasts last does so, or the receiver of a step of two.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class ObservedStream:
 
 
 @dataclass(frozen=True, slots=True)
-class ObservedNetwork:
+class InstrumentedNetwork:
     """Attributes:
     network: with the clock of the present moment first, and with the variables for columns.
     streams: by number.
@@ -80,7 +80,7 @@ class ObservedNetwork:
     largest_constant: int
 
 
-def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork:
+def instrumented_network(network: Network, mapping: RecordingMap) -> InstrumentedNetwork:
     """The network with what events contain; locations in columns are variables already.
 
     Raises UsageError for a model that cannot be followed while it runs, UnsupportedError.
@@ -107,7 +107,7 @@ def observed_network(network: Network, mapping: RecordingMap) -> ObservedNetwork
     )
     program, _ = lower(whole)
     streams, channels = _streams(network, mapping, program, noted)
-    return ObservedNetwork(whole, program, streams, channels, _largest_constant(program))
+    return InstrumentedNetwork(whole, program, streams, channels, _largest_constant(program))
 
 
 def _largest_constant(program: Program) -> int:

@@ -1,0 +1,145 @@
+"""Systems that are as their model says pass, whatever stands for them; others fail where it shows."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import pytest
+
+import tachk
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.engine.options import Limits
+from tachk.engine.simulation.policy import Policy
+from tachk.recordings.conformance.conform_file import constants_of
+from tachk.recordings.conformance.event_tables import event_rows
+from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
+from tachk.simulation.testing.tester import TestResult, TestSettings, TestVerdict, run_test
+from tests.support.seeds import seeds
+from tests.unit.recordings.conformance.small_models import random_machine, text_of
+from tests.unit.simulation.testing.test_followed_system import with_anyone
+
+LAMP = """time_unit = 1 ms;
+chan press;
+broadcast chan light;
+process Lamp() {
+    clock x;
+    init location Off { to Waking { sync press?; assign x = 0; } }
+    location Waking { invariant x <= 5; to Off { guard x >= 3; sync light!; } }
+}
+process Finger() {
+    clock pause;
+    init location Idle { to Idle { guard pause >= 2; sync press!; assign pause = 0; } }
+}
+system Lamp, Finger;
+recording {
+    replaces Finger;
+    visible press as press();
+    visible light as light();
+    tolerance 0;
+}
+"""
+DRIVEN = Path(__file__).with_name("driven_lamp.py")
+
+
+def outcome_of(adapter: str | tachk.Model, text: str = LAMP, seed: int = 0, **more: str) -> TestResult:
+    system = adapter if isinstance(adapter, str) else adapter.loaded
+    request = TestRequest(system, "200ms", seed, **more)
+    return run_test_of_model(tachk.loads(text).loaded, "model", request, Limits(states=10_000))
+
+
+def program(*words: object) -> str:
+    return " ".join([sys.executable, *map(str, words)])
+
+
+@pytest.mark.parametrize("delay", [3, 4.25, 5])
+def test_driven_program_passes(delay: float) -> None:
+    result = outcome_of(f"driven:{program(DRIVEN, delay)}", LAMP)
+    assert result.verdict is TestVerdict.PASS
+    assert result.inputs > 10 and len(result.recording.events) - result.inputs > 10
+
+
+@pytest.mark.parametrize("delay", [0.5, 7.5, 1000])
+def test_driven_program_fails_by_time_alone(delay: float) -> None:
+    result = outcome_of(f"driven:{program(DRIVEN, delay)}", LAMP)
+    assert result.verdict is TestVerdict.FAIL
+    refusal = result.conformance and result.conformance.refusal
+    assert refusal is not None
+    if delay < 3:
+        assert refusal.event is not None and result.recording.events[refusal.event].name == "light"
+    else:
+        assert refusal.event is None, "it is silent for too long, which is seen before it answers"
+
+
+def test_handshakes_are_sent_where_they_are_received() -> None:
+    """A lamp that wakes up is not pressed: in the driven program that would have no consequence, in the model it cannot
+    be."""
+    result = outcome_of(f"driven:{program(DRIVEN, 5)}", LAMP)
+    waking = False
+    for event in result.recording.events:
+        assert event.name == "light" or not waking
+        waking = event.name == "press"
+
+
+def test_programs_that_are_no_systems() -> None:
+    with pytest.raises(UsageError, match="cannot be started"):
+        outcome_of("process:/there/is/no/such/program")
+    with pytest.raises(UsageError, match="did not write"):
+        outcome_of(f"process:{program('-c', 'pass')}")
+    with pytest.raises(UsageError, match="names no system"):
+        outcome_of("proces:./x")
+    with pytest.raises(UsageError, match="is not JSON"):
+        outcome_of(f"process:{program('-c', 'print(1+)')}".replace("print(1+)", "print(chr(97))"))
+
+
+def test_program_that_ends_is_inconclusive() -> None:
+    line = 'print(chr(123)+chr(34)+"event"+chr(34)+":"+chr(34)+"ready"+chr(34)+chr(125),flush=True)'
+    result = outcome_of(f"process:{sys.executable} -c '{line}'")
+    assert result.verdict is TestVerdict.INCONCLUSIVE
+    assert "has ended with status 0" in result.reason
+
+
+def test_changed_model_fails() -> None:
+    assert outcome_of(tachk.loads(LAMP)).verdict is TestVerdict.PASS
+    late = tachk.loads(LAMP.replace("invariant x <= 5", "invariant x <= 9"))
+    early = tachk.loads(LAMP.replace("guard x >= 3", "guard x >= 0"))
+    for changed in (late, early):
+        assert TestVerdict.FAIL in {outcome_of(changed, seed=seed).verdict for seed in range(4)}
+
+
+def test_same_seed_same_test() -> None:
+    first, second = (outcome_of(tachk.loads(LAMP), seed=7) for _ in range(2))
+    assert first.recording == second.recording
+    assert first.recording != outcome_of(tachk.loads(LAMP), seed=8).recording
+
+
+def test_recording_is_read_back(tmp_path: Path) -> None:
+    result = outcome_of(f"driven:{program(DRIVEN, 7.5)}", LAMP)
+    file, model = tmp_path / "test.jsonl", tmp_path / "lamp.ta"
+    model.write_text(LAMP, encoding="utf-8")
+    file.write_text("".join(event_rows(result.recording, Fraction(10**6))), encoding="utf-8")
+    found = tachk.conform(model, file)
+    assert found.accepted is False
+    assert found.refusal is not None
+
+
+@pytest.mark.drawn
+@pytest.mark.parametrize("seed", seeds(range(6)))
+def test_models_pass_their_own_tests(seed: int) -> None:
+    random = Random(seed)
+    machines = tuple(random_machine(random) for _ in range(random.randint(1, 2)))
+    while not any(edge.label == "out" for machine in machines for edge in machine.edges):
+        machines = tuple(random_machine(random) for _ in range(random.randint(1, 2)))
+    model = tachk.loads(with_anyone(text_of(machines, hidden=False), len(machines)))
+    mapping, constants = model.loaded.recording, constants_of(model.loaded)
+    assert mapping is not None
+    for case in range(4):
+        tolerance, late = Fraction(random.randrange(3)), Fraction(random.randrange(3))
+        policy = random.choice((Policy.STOCHASTIC, Policy.UNIFORM))
+        system = ModelledSystem(model.network, mapping, constants, case, policy)
+        settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000))
+        result = run_test(model.network, mapping, constants, system, settings)
+        assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
