@@ -26,6 +26,7 @@ USED_OTHERWISE = {
     "tachk.recordings.traces.core_monitor.TruthMonitor": "traces in portions, compared with the oracle",
     "tachk.recordings.traces.core_monitor.RobustnessMonitor": "traces in portions, compared with the oracle",
     "tachk.recordings.traces.linear_monitor.robustness_signal": "the values at every instant, compared with the oracle",
+    "tachk.api.pytest_plugin": "pyproject.toml: an entry point",
     "tachk.cli.commands.verifyta.run": "pyproject.toml: a console script",
 }
 """Modules, or names in them."""

@@ -54,6 +54,7 @@ LIBRARIES = {
         "xrce",
     },
     "pandas": {"base"},
+    "pytest": {"api"},
     "pyarrow": {"recordings.traces", "report.campaign", "simulation", "xrce"},
     "referencing": {"formats"},
     "rosbags": {"recordings.traces.logs"},

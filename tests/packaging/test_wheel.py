@@ -62,6 +62,13 @@ def test_version_is_the_one_of_the_distribution() -> None:
     assert metadata.version("tachk") == tachk.__version__
 
 
+@installed_only
+def test_pytest_finds_the_plugin() -> None:
+    (entry,) = metadata.distribution("tachk").entry_points.select(group="pytest11")
+    assert entry.name == "tachk"
+    assert hasattr(entry.load(), "pytest_collect_file")
+
+
 def test_every_data_file_of_the_checkout_would_be_installed() -> None:
     odd = {
         f"{folder}/{name}"
