@@ -248,18 +248,21 @@ class PropertyTest(pytest.Item):
 
     def _headline(self, record: RunRecord) -> str:
         """What is wrong, in the line that pytest repeats in its summary."""
+        from tachk.engine.outcome import TIME_LIMIT
         from tachk.report.statistics.answered import answered_lines
 
         if record.met is False and record.verdicts:
             verdict = record.verdicts[0]
             expectation = verdict.query.expectation
             return f"{verdict.in_words}, expected: {expectation.value if expectation else 'holds'}"
+        reasons = [verdict.reason for verdict in record.verdicts] + [answer.reason for answer in record.estimates]
         if record.estimates:
             said = next(iter(answered_lines(record.estimates[0])))
         else:
-            said = f"unknown: {', '.join(verdict.reason for verdict in record.verdicts) or 'no decision'}"
-        seconds = self.config.getoption("tachk_max_seconds")
-        return said if record.met is False or seconds is None else f"{said} (--tachk-max-seconds {seconds:g})"
+            said = f"unknown: {', '.join(reasons) or 'no decision'}"
+        if TIME_LIMIT in reasons:
+            said += f" (--tachk-max-seconds {self.config.getoption('tachk_max_seconds'):g})"
+        return said
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         from tachk.base.diagnostics.diagnostic import TachkError

@@ -37,6 +37,11 @@ process P() { init location l { to l { select i : int[0, 5]; guard a[i] < 9; ass
 system P;
 property far : A[] a[0] + a[1] + a[2] + a[3] + a[4] + a[5] < 55;
 """
+FAULT = """int[0, 2] y = 0;
+process P() { init location a { to a { assign y = y + 1; } } location never; }
+system P;
+property in_range : A[] y <= 2;
+"""
 LIBRARY = "process Missing() { init location a { to a { sync elsewhere!; } } }\n"
 WRONG = "process P() { init location a { to b; } }\nsystem P;\nproperty p : A[] P.a;\n"
 
@@ -138,6 +143,14 @@ def test_what_cannot_be_tested_is_said(pytester: pytest.Pytester) -> None:
     result = run(pytester, "--tachk", "empty")
     result.assert_outcomes(passed=1, warnings=1)
     result.stdout.fnmatch_lines(["*ModelWarning: --tachk empty: no model was collected there*"])
+
+
+def test_run_time_errors_and_warnings_have_their_places(pytester: pytest.Pytester) -> None:
+    write(pytester, fault=FAULT)
+    result = run(pytester, "models/fault.ta", "--tachk-max-seconds", "60")
+    result.assert_outcomes(failed=1, warnings=1)
+    result.stdout.fnmatch_lines(["unknown: run-time error", "models/fault.ta:2:47: error[[]E0761[]]: *"])
+    result.stdout.fnmatch_lines(["models/fault.ta:2", "*ModelWarning: models/fault.ta:2:*: warning[[]W0404[]]: *"])
 
 
 @pytest.mark.skipif(find_spec("xdist") is None, reason="pytest-xdist is not installed")
