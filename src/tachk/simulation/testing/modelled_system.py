@@ -132,7 +132,10 @@ class ModelledSystem:
         for column, place in edge.given.items():
             self._under_way.set_number(place, FmiType.INTEGER, contents[column] or 0)
         self._under_way.set_ticks(edge.place)
-        self._react()
+        try:
+            self._react()
+        except ValueError:
+            raise SystemEndedError(f"the model that stands for the system cannot receive `{name}` now") from None
         return time
 
     def next_output(self, until: Fraction) -> SeenOutput | None:

@@ -101,7 +101,6 @@ def run_test(
     """
     test = _TestUnderWay(network, mapping, constants, system, settings)
     try:
-        system.start()
         test.run()
     finally:
         system.close()
@@ -138,6 +137,7 @@ class _TestUnderWay:
 
     def run(self) -> None:
         try:
+            self.system.start()
             while self._step():
                 pass
             if self.is_as_modelled:

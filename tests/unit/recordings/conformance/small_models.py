@@ -109,7 +109,7 @@ def csv_of(events: list[Event], end: int) -> str:
 # ---- runs -----------------------------------------------------------------------------------------------------------
 
 
-def _moves(machine: Machine, place: Place, label: str, key: int | None = None) -> Iterator[tuple[Edge, Place]]:
+def moves(machine: Machine, place: Place, label: str, key: int | None = None) -> Iterator[tuple[Edge, Place]]:
     for edge in machine.edges:
         if edge.source != place.location or edge.label != label or (key is not None and edge.key != key):
             continue
@@ -124,7 +124,7 @@ def _may_be(machine: Machine, place: Place) -> bool:
     return bound >= LONGEST or place.clock <= bound
 
 
-def _hears(machine: Machine, place: Place, key: int) -> list[Place]:
+def hears(machine: Machine, place: Place, key: int) -> list[Place]:
     """Where an input takes a machine: it stays if no guard holds; it cannot come if all that hear it cannot go on."""
     enabled = [
         e
@@ -135,10 +135,10 @@ def _hears(machine: Machine, place: Place, key: int) -> list[Place]:
         and e.low <= place.clock
         and (e.high >= LONGEST or place.clock <= e.high)
     ]
-    return [after for _, after in _moves(machine, place, "in", key)] if enabled else [place]
+    return [after for _, after in moves(machine, place, "in", key)] if enabled else [place]
 
 
-def _later(machines: tuple[Machine, ...], places: tuple[Place, ...]) -> tuple[Place, ...] | None:
+def after_a_unit(machines: tuple[Machine, ...], places: tuple[Place, ...]) -> tuple[Place, ...] | None:
     after = tuple(replace(p, clock=min(p.clock + 1, LONGEST)) for p in places)
     return after if all(_may_be(m, p) for m, p in zip(machines, after, strict=True)) else None
 
@@ -153,19 +153,19 @@ def random_run(random: Random, machines: tuple[Machine, ...], until: int, hidden
             n = random.randrange(len(machines))
             if random.random() < 0.3:
                 key = random.randrange(KEYS)
-                choices = _hears(machines[n], places[n], key)
+                choices = hears(machines[n], places[n], key)
                 if choices:
                     places = _with(places, n, random.choice(choices))
                     if not hidden:
                         events.append(Event(now, n, "in", key, 0))
                 continue
-            moves = [*_moves(machines[n], places[n], "out"), *_moves(machines[n], places[n], "")]
-            if moves:
-                edge, after = random.choice(moves)
+            enabled = [*moves(machines[n], places[n], "out"), *moves(machines[n], places[n], "")]
+            if enabled:
+                edge, after = random.choice(enabled)
                 places = _with(places, n, after)
                 if edge.label == "out":
                     events.append(Event(now, n, "out", edge.key, edge.number))
-        later = _later(machines, places)
+        later = after_a_unit(machines, places)
         if later is None or now == until:
             return events, now
         places, now = later, now + 1
@@ -221,7 +221,7 @@ def is_run(
             return True
         product = set()
         for places, counts in present:
-            later = _later(machines, places)
+            later = after_a_unit(machines, places)
             overdue = any(
                 counts[n] < len(streams[name]) and window(streams[name][counts[n]])[1] <= now
                 for n, name in enumerate(names)
@@ -235,12 +235,12 @@ def is_run(
 
 def _steps(machines, places, counts, now, names, streams, window, quiet, hidden, sent):  # type: ignore[no-untyped-def]
     for n, machine in enumerate(machines):
-        for _, after in _moves(machine, places[n], ""):
+        for _, after in moves(machine, places[n], ""):
             yield _with(places, n, after), counts
         for key in range(KEYS) if hidden else ():
-            for after in _hears(machine, places[n], key):
+            for after in hears(machine, places[n], key):
                 yield _with(places, n, after), counts
-        for edge, after in _moves(machine, places[n], "out"):
+        for edge, after in moves(machine, places[n], "out"):
             found = _next(("out", n), names, streams, counts)
             if found is None:
                 if now >= quiet:
@@ -259,7 +259,7 @@ def _steps(machines, places, counts, now, names, streams, window, quiet, hidden,
             low, high = window(event)
             before = counts[names.index(("out", n))] if ("out", n) in names else 0
             if low <= now <= high and before >= event.needed:
-                for after in _hears(machine, places[n], event.key):
+                for after in hears(machine, places[n], event.key):
                     yield _with(places, n, after), _counted(counts, number)
 
 

@@ -1,0 +1,87 @@
+"""Whether tests find changed systems: ``python -m bench.tested_mutants COUNT SEED [TESTS]``.
+
+COUNT random models are changed in one place each: a bound of a guard or of an invariant, a reset, where an edge leads
+or what it does; one edge is lost, or one more is there. The changed model stands for the system, in up to TESTS (100)
+tests by the model, which differ in their seeds and in when the system acts within its bounds. An oracle that knows
+neither zones nor the tester goes through all runs at whole times together with all states in which the model may be
+then: it says whether the change can be seen within the length of a test. All bounds are closed, so whole times decide
+that (Henzinger, Manna, Pnueli, "What good are digital clocks?", 1992).
+
+Prints how many changes that can be seen were found, in how many tests, and each one that was not; exit status 1 after
+a test that failed without a change that can be seen.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from random import Random
+
+import tachk
+from tachk.engine.options import Limits
+from tachk.engine.simulation.policy import Policy
+from tachk.recordings.conformance.conform_file import constants_of
+from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.tester import TestSettings, TestVerdict, run_test
+from tests.support.tested_machines import LENGTH, can_be_distinguished, mutated_machine
+from tests.unit.recordings.conformance.small_models import Machine, random_machine, text_of
+from tests.unit.simulation.testing.test_followed_system import with_anyone
+
+_POLICIES = (Policy.UNIFORM, Policy.LATEST, Policy.EARLIEST, Policy.STOCHASTIC)
+
+
+def verdicts(model: Machine, system: Machine, tests: int) -> Iterator[TestVerdict]:
+    """Of tests of a system by a model, one after the other."""
+    own, other = (tachk.loads(with_anyone(text_of((each,), hidden=False), 1)) for each in (model, system))
+    mapping, stands = own.loaded.recording, other.loaded.recording
+    assert mapping is not None and stands is not None
+    for seed in range(tests):
+        policy = _POLICIES[seed % len(_POLICIES)]
+        settings = TestSettings(Fraction(LENGTH), seed, Fraction(0), Fraction(0), limits=Limits(states=10_000))
+        running = ModelledSystem(other.network, stands, constants_of(other.loaded), seed, policy)
+        yield run_test(own.network, mapping, constants_of(own.loaded), running, settings).verdict
+
+
+def main(arguments: list[str]) -> int:
+    if len(arguments) not in (2, 3):
+        sys.exit(__doc__)
+    count, first = map(int, arguments[:2])
+    tests = int(arguments[2]) if len(arguments) == 3 else 100
+    found: Counter[str] = Counter()
+    needed: list[int] = []
+    for seed in range(first, first + count):
+        random = Random(seed)
+        model = random_machine(random)
+        while not any(edge.label == "out" for edge in model.edges):
+            model = random_machine(random)
+        system = mutated_machine(random, model)
+        if not any(edge.label == "out" for edge in system.edges):
+            system = replace(system, edges=(*system.edges, model.edges[0]))
+        visible = can_be_distinguished(model, system)
+        number = next((n for n, v in enumerate(verdicts(model, system, tests)) if v is TestVerdict.FAIL), None)
+        match visible, number:
+            case True, None:
+                found["can be seen, not found"] += 1
+                print(f"seed {seed}: not found in {tests} tests", flush=True)
+            case True, _:
+                found["can be seen, found"] += 1
+                assert number is not None
+                needed.append(number + 1)
+            case False, None:
+                found["cannot be seen, passed"] += 1
+            case False, _:
+                found["accused without reason"] += 1
+                print(f"seed {seed}: test {number} fails, though nothing can be seen", flush=True)
+    for what, times in sorted(found.items()):
+        print(f"{what:26}{times:8,}")
+    if needed:
+        needed.sort()
+        print(f"tests until a change was found: median {needed[len(needed) // 2]}, at most {needed[-1]}")
+    return 1 if found["accused without reason"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
