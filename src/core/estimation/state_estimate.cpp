@@ -362,9 +362,14 @@ Window StateEstimate::window(ConstZoneRef zone) const {
 }
 
 void StateEstimate::note(std::size_t channel, std::vector<std::int32_t> said, Window when) {
-  for (PossibleEvent& event : exploration_.prediction.events)
-    if (event.channel == channel && event.values == said) return add_window(event.windows, when);
-  exploration_.prediction.events.push_back({channel, std::move(said), {when}});
+  std::vector<PossibleEvent>& events = exploration_.prediction.events;
+  auto event = std::find_if(events.begin(), events.end(),
+                            [&](const PossibleEvent& each) { return each.channel == channel && each.values == said; });
+  if (event == events.end()) event = events.insert(event, {channel, std::move(said), {}, {}});
+  add_window(event->windows, when);
+  for (const Raw border : {when.low, when.high})
+    if (std::find(event->boundaries.begin(), event->boundaries.end(), border) == event->boundaries.end())
+      event->boundaries.push_back(border);
 }
 
 // Where the environment can send over a channel that is no broadcast, and no receiver is ready. While no time can pass

@@ -59,6 +59,7 @@ struct PossibleEvent {
   std::size_t channel;  // its place among the visible channels
   std::vector<std::int32_t> values;
   std::vector<Window> windows;  // apart, in their order
+  std::vector<Raw> boundaries;  // where a window of a single step begins or ends
 };
 
 // When the system may not receive an input.

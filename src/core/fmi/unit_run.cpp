@@ -144,7 +144,7 @@ void UnitRun::set_number(std::uint32_t reference, Type type, std::int64_t value)
 
 void UnitRun::choose(Role parameter, std::int64_t value) {
   if (transitions_ > 0 || now_ > 0 || !outside_.intakes.empty()) throw std::invalid_argument("the run has begun");
-  if (parameter == Role::policy && (value < 0 || value > static_cast<std::int64_t>(Policy::latest)))
+  if (parameter == Role::policy && (value < 0 || value > static_cast<std::int64_t>(Policy::boundary)))
     throw std::invalid_argument("there is no such policy");
   if (parameter == Role::seed)
     parameters_.seed = static_cast<std::uint64_t>(value);
@@ -327,7 +327,7 @@ UnitRun UnitRun::restore(std::shared_ptr<const ResourceFile> resource, std::span
   result.parameters_.seed = saved.natural();
   result.parameters_.run = saved.natural();
   const std::int64_t policy = saved.next();
-  if (policy < 0 || policy > static_cast<std::int64_t>(Policy::latest)) throw std::invalid_argument("bad saved state");
+  if (policy < 0 || policy > static_cast<std::int64_t>(Policy::boundary)) throw std::invalid_argument("bad saved state");
   result.parameters_.policy = static_cast<Policy>(policy);
   const bool begun = saved.truth();
   const Ticks ticks_per_unit = saved.next();

@@ -15,7 +15,7 @@ struct Share {
 };
 
 double weight(Present& present, std::uint32_t edge) {
-  if (present.policy == Policy::uniform) return 1.0;
+  if (present.policy == Policy::uniform || present.policy == Policy::boundary) return 1.0;
   const flow::Number& number = present.chances.weights[edge];
   const double value = number.value(present.machine, present.values.slots.data());
   if (!(value >= 0)) throw machine::ModelFault(machine::FaultKind::range, number.code);

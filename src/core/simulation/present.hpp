@@ -18,7 +18,7 @@
 namespace tachk::simulation {
 
 // How long processes wait before they act, within what their guards and invariants allow.
-enum class Policy : std::int32_t { stochastic, uniform, earliest, latest };
+enum class Policy : std::int32_t { stochastic, uniform, earliest, latest, boundary };
 
 inline constexpr flow::Ticks first_lookahead = 1;  // in units of time: how far hybrid clocks are followed first
 
@@ -49,7 +49,9 @@ struct Present {
   flow::Ticks unit() const { return flow.ticks_per_unit(); }
   const LocationTables& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
   std::size_t processes() const { return program.processes.size(); }
-  bool random_delays() const { return policy == Policy::stochastic || policy == Policy::uniform; }
+  bool random_delays() const {
+    return policy == Policy::stochastic || policy == Policy::uniform || policy == Policy::boundary;
+  }
 
   bool may_hold(const FirstTest& first_test) const { return first_test.may_hold(values.slots.data()); }
   bool integers_hold(const program::Condition& condition);

@@ -133,13 +133,26 @@ void Race::wait_for(Present& present, std::size_t process, const Openings& openi
     wait == Wait::parked ? parked_.add(process) : parked_.remove(process);
 }
 
+namespace {
+
+// How one delay is drawn where those at boundaries are likelier.
+Policy near_boundary(Random& random) {
+  constexpr Policy each[] = {Policy::earliest, Policy::latest, Policy::boundary, Policy::uniform};
+  return each[random.below(std::size(each))];
+}
+
+}  // namespace
+
 // A moment from `first` on; behind `last` the guards are false, and behind its limit the invariant.
 Ticks Race::drawn(Present& present, std::size_t process, Ticks first, Ticks last, Ticks limit) {
-  const Policy policy = present.policy;
+  const Policy policy = present.policy == Policy::boundary ? near_boundary(present.random) : present.policy;
   const Ticks bound = policy == Policy::stochastic ? limit : std::min(limit, last);
   if (policy == Policy::earliest) return first;
   if (bound < never) {
     if (policy == Policy::latest) return bound;
+    if (policy == Policy::boundary)  // a whole number of units behind the first moment
+      return first + present.unit() * static_cast<Ticks>(present.random.below(
+                                          static_cast<std::uint64_t>((bound - first) / present.unit()) + 1));
     return first + static_cast<Ticks>(present.random.below(static_cast<std::uint64_t>(bound - first) + 1));
   }
   if (policy == Policy::latest) return first;

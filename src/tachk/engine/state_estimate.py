@@ -42,11 +42,13 @@ class PredictedStep:
     channel: the place among the visible channels.
     values: of the columns.
     windows: when it may happen, from the present moment on.
+    boundaries: where the windows of single transitions begin or end.
     """
 
     channel: int
     values: tuple[int, ...]
     windows: tuple[Window, ...]
+    boundaries: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +120,10 @@ class StateEstimate:
         self._core.predict(until)
         self._run()
         events, blocked, silent = self._core.prediction()
-        steps = tuple(PredictedStep(channel, tuple(values), tuple(windows)) for channel, values, windows in events)
+        steps = tuple(
+            PredictedStep(channel, tuple(values), tuple(windows), tuple(boundaries))
+            for channel, values, windows, boundaries in events
+        )
         return Prediction(steps, tuple(blocked), silent)
 
     def can_conclude(self) -> bool:

@@ -28,7 +28,7 @@ namespace {
 using ChannelTuple =
     std::tuple<std::int32_t, std::uint32_t, bool, std::vector<std::pair<std::optional<std::uint32_t>, std::int32_t>>>;
 using WindowTuple = std::pair<Raw, Raw>;
-using EventTuple = std::tuple<std::size_t, std::vector<std::int32_t>, std::vector<WindowTuple>>;
+using EventTuple = std::tuple<std::size_t, std::vector<std::int32_t>, std::vector<WindowTuple>, std::vector<Raw>>;
 
 WindowTuple pair_of(const estimation::Window& window) { return {window.low, window.high}; }
 
@@ -77,14 +77,15 @@ void bind_estimation(nb::module_& m) {
             for (const estimation::PossibleEvent& event : prediction.events) {
               std::vector<WindowTuple> windows;
               for (const estimation::Window& window : event.windows) windows.push_back(pair_of(window));
-              events.push_back({event.channel, event.values, std::move(windows)});
+              events.push_back({event.channel, event.values, std::move(windows), event.boundaries});
             }
             std::vector<std::pair<std::size_t, WindowTuple>> blocked;
             for (const estimation::Blocking& blocking : prediction.blocked)
               blocked.push_back({blocking.channel, pair_of(blocking.window)});
             return std::make_tuple(events, blocked, prediction.silent_until);
           },
-          "(events: (place of the channel, values, windows), blocked: (place of the channel, window), how long "
+          "(events: (place of the channel, values, windows, where single ones begin or end), blocked: (place of the "
+          "channel, window), how long "
           "silence may last)")
       .def(
           "lead",

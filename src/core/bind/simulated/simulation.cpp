@@ -78,7 +78,8 @@ void bind_simulation(nb::module_& m) {
       .value("STOCHASTIC", Policy::stochastic)
       .value("UNIFORM", Policy::uniform)
       .value("EARLIEST", Policy::earliest)
-      .value("LATEST", Policy::latest);
+      .value("LATEST", Policy::latest)
+      .value("BOUNDARY", Policy::boundary);
   nb::enum_<Ending>(m, "Ending")
       .value("HORIZON", Ending::horizon)
       .value("DEADLOCK", Ending::deadlock)

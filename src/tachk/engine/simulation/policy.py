@@ -18,3 +18,6 @@ class Policy(StrEnum):
     EARLIEST = "earliest"
     LATEST = "latest"
     """The earliest moment where there is no latest one."""
+    BOUNDARY = "boundary"
+    """One of four each time: the earliest moment, the latest one, a whole number of units after the earliest, and as
+    UNIFORM; weights do not count."""

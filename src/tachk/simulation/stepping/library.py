@@ -289,7 +289,7 @@ def simulate(
             out, for they are not checked, are part of the state here.
         until: how long they are: a number of time units of the model, or a duration such as ``"3 min"``.
         seed: the same seed gives the same runs, with any number of threads.
-        policy: ``"stochastic"``, ``"uniform"``, ``"earliest"`` or ``"latest"``.
+        policy: ``"stochastic"``, ``"uniform"``, ``"earliest"``, ``"latest"`` or ``"boundary"``.
         first: the number of the first run.
         record: signals, processes, variables, and ``"P.location"``; none: all signals, processes and variables.
         fault: faults to inject, such as ``"lost=0.01"``, see docs/faults.md.

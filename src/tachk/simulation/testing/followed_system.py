@@ -25,6 +25,7 @@ class AllowedEvent:
     Attributes:
         cells: what it contains, by column.
         windows: when, in units of the model since its start.
+        boundaries: moments at which the system may change how it reacts to it.
         blocked: when a system as the model describes it may not be able to receive it; empty for an output.
     """
 
@@ -33,6 +34,7 @@ class AllowedEvent:
     is_input: bool
     windows: tuple[Window, ...]
     blocked: tuple[Window, ...] = ()
+    boundaries: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,7 @@ class FollowedSystem:
                 stream.is_input,
                 tuple(map(self._since_start, step.windows)),
                 tuple(blocked.get(step.channel, ())),
+                tuple(self.moment + each for each in step.boundaries),
             )
             for step in prediction.steps
             for stream in (self._observed.streams[self._observed.channels[step.channel].stream],)

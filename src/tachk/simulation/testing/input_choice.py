@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from math import ceil, floor
 from random import Random
 
 from tachk.base.records import dataclass
@@ -27,7 +28,7 @@ def random_input(
 ) -> PlannedInput | None:
     """An input that the environment may send, at a moment at which the system can receive it whatever state it is in.
 
-    Moments at the borders of windows are likelier than others, since faults of timing show there. None where there is
+    Moments at boundaries are likelier than others, since faults of timing show there. None where there is
     no such input, or to leave the system alone.
 
     Args:
@@ -43,12 +44,21 @@ def random_input(
         return None
     event, windows = random.choice(inputs)
     low, high = random.choice(windows)
-    where = random.random()
-    if where < 1 / 4:
-        return PlannedInput(event, low)
-    if where < 1 / 2:
-        return PlannedInput(event, high)
-    return PlannedInput(event, low + (high - low) * random.randrange(1001) / 1000)
+    return PlannedInput(event, _moment(random, low, high, event.boundaries))
+
+
+def _moment(random: Random, low: Fraction, high: Fraction, boundaries: Sequence[int]) -> Fraction:
+    """A moment of an interval: as likely its beginning, a boundary, a whole one, or any."""
+    inside = [each for each in boundaries if low <= each <= high]
+    match random.randrange(4):
+        case 0:
+            return low
+        case 1 if inside:
+            return Fraction(random.choice(inside))
+        case 2 if ceil(low) <= floor(high):
+            return Fraction(random.randint(ceil(low), floor(high)))
+        case _:
+            return low + (high - low) * random.randrange(1001) / 1000
 
 
 def _moments(

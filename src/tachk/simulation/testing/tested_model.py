@@ -15,7 +15,7 @@ from tachk.recordings.conformance.location_columns import with_location_variable
 from tachk.simulation.testing.adapters import open_adapter
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.system_adapter import SystemAdapter
-from tachk.simulation.testing.tester import TestResult, TestSettings, run_test
+from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, run_test
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def run_test_of_model(loaded: LoadedModel, name: str, request: TestRequest, limi
         system = open_adapter(request.adapter, nanoseconds_of(unit))
     else:
         system = _system_of(request.adapter, request.seed)
-    return run_test(network, mapping, constants_of(loaded), system, settings)
+    return run_test(TestedModel.of(network, mapping, constants_of(loaded)), system, settings)
 
 
 def _system_of(loaded: LoadedModel, seed: int) -> SystemAdapter:
@@ -76,7 +76,7 @@ def _system_of(loaded: LoadedModel, seed: int) -> SystemAdapter:
             "make it a changed copy of the model of the test",
         )
     network, mapping = with_location_variables(loaded.network, loaded.recording)
-    return ModelledSystem(network, mapping, constants_of(loaded), seed, Policy.STOCHASTIC)
+    return ModelledSystem(network, mapping, constants_of(loaded), seed, Policy.BOUNDARY)
 
 
 def nanoseconds_of(time_unit: str) -> Fraction | None:

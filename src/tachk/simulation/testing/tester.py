@@ -25,7 +25,7 @@ from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
 from tachk.simulation.testing.input_choice import PlannedInput, random_input
-from tachk.simulation.testing.instrumented_network import instrumented_network
+from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
 from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
 
 _AT_ONCE = 1_000
@@ -88,45 +88,105 @@ class TestResult:
     explored: int
 
 
-def run_test(
-    network: Network, mapping: RecordingMap, constants: Constants, system: SystemAdapter, settings: TestSettings
-) -> TestResult:
-    """Runs one test.
+@dataclass(frozen=True, slots=True)
+class TestedModel:
+    """A model that is ready for tests of systems.
 
-    Args:
+    Attributes:
         network, mapping: locations in columns are variables already.
-
-    Raises UsageError for a model that cannot be followed, for a system that does not start, and for lines that are no
-    events, UnsupportedError, and InternalError if the verdict is not that of the recording.
+        constants: the values of words in events.
+        instrumented: the network that notes what events contain.
     """
-    test = _TestUnderWay(network, mapping, constants, system, settings)
+
+    __test__ = False
+
+    network: Network
+    mapping: RecordingMap
+    constants: Constants
+    instrumented: InstrumentedNetwork
+
+    @staticmethod
+    def of(network: Network, mapping: RecordingMap, constants: Constants) -> TestedModel:
+        """Raises UsageError for a model that cannot be followed, UnsupportedError."""
+        return TestedModel(network, mapping, constants, instrumented_network(network, mapping))
+
+
+@dataclass(frozen=True, slots=True)
+class TestRun:
+    """A test that was run, not yet judged.
+
+    Attributes:
+        is_as_modelled: the system did what the model allows.
+        others: as of `TestResult`.
+    """
+
+    __test__ = False
+
+    settings: TestSettings
+    recording: EventLog
+    inputs: int
+    is_as_modelled: bool
+    allowed: AllowedNext | None
+    reason: str
+    states: int
+    explored: int
+
+
+def run_test(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestResult:
+    """Runs one test, and judges it from its recording.
+
+    Raises UsageError for a system that does not start, and for lines that are no events, and InternalError if the
+    verdict is not that of the recording.
+    """
+    return judged(model, follow(model, system, settings))
+
+
+def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestRun:
+    """Runs one test. Raises UsageError as `run_test`."""
+    test = _TestUnderWay(model, system, settings)
     try:
         test.run()
     finally:
         system.close()
-    return test.result()
+    return test.outcome()
+
+
+def judged(model: TestedModel, run: TestRun) -> TestResult:
+    """The result of a test, confirmed by the search of `tachk conform`. Raises InternalError if that disagrees."""
+    settings, found, reason = run.settings, None, run.reason
+    verdict = TestVerdict.PASS if run.is_as_modelled else TestVerdict.FAIL
+    if reason:
+        verdict = TestVerdict.INCONCLUSIVE
+    else:
+        found = conform(
+            model.network,
+            model.mapping,
+            run.recording,
+            model.constants,
+            settings.tolerance,
+            settings.late,
+            limits=settings.limits,
+        )
+        if verdict is TestVerdict.PASS and found.accepted is False:
+            raise InternalError("the recording of a test that passed is not a run of the model")
+        if verdict is TestVerdict.FAIL and found.accepted is True:
+            verdict = TestVerdict.INCONCLUSIVE
+            reason = "the system did what the environment of the model does not expect"
+    allowed = run.allowed if verdict is TestVerdict.FAIL else None
+    return TestResult(verdict, settings, run.recording, run.inputs, allowed, reason, found, run.states, run.explored)
 
 
 class _TestUnderWay:
     """A test under way."""
 
-    def __init__(
-        self,
-        network: Network,
-        mapping: RecordingMap,
-        constants: Constants,
-        system: SystemAdapter,
-        settings: TestSettings,
-    ) -> None:
-        self.network = network
-        self.mapping = mapping
-        self.constants = constants
+    def __init__(self, model: TestedModel, system: SystemAdapter, settings: TestSettings) -> None:
         self.system = system
         self.settings = settings
         self.random = Random(settings.seed)
-        observed = instrumented_network(network, mapping)
-        self.pause = observed.largest_constant if settings.pause is None else settings.pause
-        self.followed = FollowedSystem(observed, mapping, constants, settings.tolerance, settings.late, settings.limits)
+        self.pause = model.instrumented.largest_constant if settings.pause is None else settings.pause
+        self.followed = FollowedSystem(
+            model.instrumented, model.mapping, model.constants, settings.tolerance, settings.late, settings.limits
+        )
         self.known = Fraction(0)
         self.events: list[RecordedEvent] = []
         self.inputs = 0
@@ -192,38 +252,17 @@ class _TestUnderWay:
         self.events.append(event)
         self.followed.observe(event)
 
-    def result(self) -> TestResult:
+    def outcome(self) -> TestRun:
         end = max([self.known, *(event.time for event in self.events)])
         order = sorted(self.events, key=lambda event: event.time)
         recording = EventLog(SOURCE, tuple(order), None, Fraction(0), end)
-        verdict = TestVerdict.PASS if self.is_as_modelled else TestVerdict.FAIL
-        found: Conformance | None = None
-        reason = self.reason
-        if reason:
-            verdict = TestVerdict.INCONCLUSIVE
-        else:
-            found = conform(
-                self.network,
-                self.mapping,
-                recording,
-                self.constants,
-                self.settings.tolerance,
-                self.settings.late,
-                limits=self.settings.limits,
-            )
-            if verdict is TestVerdict.PASS and found.accepted is False:
-                raise InternalError("the recording of a test that passed is not a run of the model")
-            if verdict is TestVerdict.FAIL and found.accepted is True:
-                verdict = TestVerdict.INCONCLUSIVE
-                reason = "the system did what the environment of the model does not expect"
-        return TestResult(
-            verdict,
+        return TestRun(
             self.settings,
             recording,
             self.inputs,
-            self.allowed if verdict is TestVerdict.FAIL else None,
-            reason,
-            found,
+            self.is_as_modelled,
+            self.allowed,
+            self.reason,
             self.states,
             self.followed.explored,
         )
