@@ -327,7 +327,8 @@ UnitRun UnitRun::restore(std::shared_ptr<const ResourceFile> resource, std::span
   result.parameters_.seed = saved.natural();
   result.parameters_.run = saved.natural();
   const std::int64_t policy = saved.next();
-  if (policy < 0 || policy > static_cast<std::int64_t>(Policy::boundary)) throw std::invalid_argument("bad saved state");
+  if (policy < 0 || policy > static_cast<std::int64_t>(Policy::boundary))
+    throw std::invalid_argument("bad saved state");
   result.parameters_.policy = static_cast<Policy>(policy);
   const bool begun = saved.truth();
   const Ticks ticks_per_unit = saved.next();
