@@ -138,7 +138,7 @@ def run_test(model: TestedModel, system: SystemAdapter, settings: TestSettings) 
     Raises UsageError for a system that does not start, and for lines that are no events, and InternalError if the
     verdict is not that of the recording.
     """
-    return judged(model, follow(model, system, settings))
+    return confirmed(model, follow(model, system, settings))
 
 
 def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestRun:
@@ -151,7 +151,7 @@ def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings) ->
     return test.outcome()
 
 
-def judged(model: TestedModel, run: TestRun) -> TestResult:
+def confirmed(model: TestedModel, run: TestRun) -> TestResult:
     """The result of a test, confirmed by the search of `tachk conform`. Raises InternalError if that disagrees."""
     settings, found, reason = run.settings, None, run.reason
     verdict = TestVerdict.PASS if run.is_as_modelled else TestVerdict.FAIL
