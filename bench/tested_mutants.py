@@ -44,7 +44,7 @@ def first_failure(model: Machine, system: Machine, tests: int) -> int | None:
         policy = _POLICIES[seed % len(_POLICIES)]
         settings = TestSettings(Fraction(_LENGTH), seed, Fraction(0), Fraction(0), limits=Limits(states=10_000))
         running = ModelledSystem(other.network, stands, constants_of(other.loaded), seed, policy)
-        run = follow(tested, running, settings)
+        run = follow(tested, running, settings, tested.random_inputs(settings))
         if not run.reason and not run.is_as_modelled and confirmed(tested, run).verdict is TestVerdict.FAIL:
             return seed
     return None

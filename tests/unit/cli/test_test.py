@@ -16,29 +16,18 @@ ROOT = Path(__file__).parents[3]
 MODEL = ROOT / "examples" / "thermostat" / "thermostat.ta"
 
 
-def faulty(tmp_path: Path) -> Path:
-    """The thermostat whose heater rests from when it went on."""
-    text = MODEL.read_text(encoding="utf-8")
-    changed = text.replace("sync heater[0]!; assign rest = 0;", "sync heater[0]!;").replace(
-        "guard rest >= REST; sync heater[1]!;", "guard rest >= REST; sync heater[1]!; assign rest = 0;"
-    )
-    assert changed != text
-    file = tmp_path / "faulty.ta"
-    file.write_text(changed, encoding="utf-8")
-    return file
-
-
 @pytest.mark.parametrize("fails", [False, True])
 def test_reports(tmp_path: Path, fails: bool) -> None:
-    system = faulty(tmp_path) if fails else MODEL
+    system = MODEL.with_name("worn_out.ta") if fails else MODEL
     junit, recording = tmp_path / "junit.xml", tmp_path / "test.jsonl"
-    given = ["test", str(MODEL), "--simulate", str(system), "--for", "20s"]
+    given = ["test", str(MODEL), "--simulate", str(system), "--for", "20s", "--shorten", "20"]
     outcome = CliRunner().invoke(app, [*given, "--format", "json", "--junit", str(junit), "--record", str(recording)])
     assert outcome.exit_code == (10 if fails else 0), outcome.output
     report = json.loads(outcome.output)
     jsonschema.validate(report, json.loads((ROOT / "docs/schema/test.schema.json").read_text(encoding="utf-8")))
     assert report["verdict"] == ("fail" if fails else "pass")
     assert report["conformance"]["accepted"] is not fails
+    assert (report["shortening"] is not None) is fails
     suite = ElementTree.parse(junit).getroot()[0]
     assert (suite.get("failures"), suite.get("errors")) == ("1" if fails else "0", "0")
     assert len(recording.read_text(encoding="utf-8").splitlines()) == len(report["events"]) + 1

@@ -64,6 +64,13 @@ if TYPE_CHECKING:
     type=options.written_file,
     help="Write the events of the test to this file (.jsonl), which `tachk conform` reads.",
 )
+@click.option(
+    "--shorten",
+    metavar="SECONDS",
+    type=options.Seconds(min=0),
+    help="If the test fails, look for so long for fewer inputs with which it fails, too: each try starts the system "
+    "again. The report and --record are those of the shortest test.",
+)
 @click.option("--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI.")
 @options.max_states()
 @options.report("text", "json")
@@ -97,6 +104,7 @@ class TestArguments:
     late: str | None = None
     record: Path | None = None
     junit: Path | None = None
+    shorten: float | None = None
     states: int | None = None
 
 
@@ -118,8 +126,9 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         arguments.tolerance,
         arguments.late,
         arguments.pause,
+        arguments.shorten,
     )
-    result = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
+    result, shortening = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
     unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
     if arguments.record is not None:
         arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")
@@ -129,9 +138,9 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         if out is not None:
             match reporting.form:
                 case "text":
-                    out.write(test_to_text(result, arguments.model, unit))
+                    out.write(test_to_text(result, shortening, arguments.model, unit))
                 case "json":
-                    json.dump(test_to_json(result, arguments.model, unit), out, indent=2)
+                    json.dump(test_to_json(result, shortening, arguments.model, unit), out, indent=2)
                     out.write("\n")
                 case _:
                     raise UsageError(f"unknown format {reporting.form}")

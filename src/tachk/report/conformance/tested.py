@@ -13,15 +13,17 @@ from tachk.recordings.conformance.events import RecordedEvent
 from tachk.report.conformance.json import answer_to_json
 from tachk.report.conformance.text import event_text, rejection_lines, units_text
 from tachk.report.junit_report import clean
+from tachk.simulation.testing.shortening import Shortening
 from tachk.simulation.testing.tester import TestResult, TestVerdict
 
 _LAST = 5
 """So many events before the end of a test that failed are shown."""
 
 
-def test_to_text(result: TestResult, model: str, time_unit: str) -> str:
+def test_to_text(result: TestResult, shortening: Shortening | None, model: str, time_unit: str) -> str:
     """The verdict, and where the system leaves the model."""
-    return "\n".join(_lines(result, model, time_unit)) + "\n"
+    lines = [*_lines(result, model, time_unit), *([] if shortening is None else [_shortening_line(shortening)])]
+    return "\n".join(lines) + "\n"
 
 
 test_to_text.__test__ = False  # type: ignore[attr-defined]
@@ -48,6 +50,14 @@ def _lines(result: TestResult, model: str, unit: str) -> Iterator[str]:
     yield f"{grouped(result.explored)} states; at most {grouped(result.states)} at a moment"
 
 
+def _shortening_line(shortening: Shortening) -> str:
+    tests = _counted(shortening.tries, "more test")
+    if not shortening.is_repeated:
+        return f"the same inputs did not make it fail again: {tests}"
+    least = "" if shortening.is_minimal else "; the time was over before fewer inputs were excluded"
+    return f"shortened from {_counted(shortening.inputs, 'input')} by {tests}{least}"
+
+
 def _counted(count: int, what: str) -> str:
     return f"{grouped(count)} {what}{'' if count == 1 else 's'}"
 
@@ -56,7 +66,7 @@ def _time(time: Fraction) -> str:
     return f"{float(time):.3f}"
 
 
-def test_to_json(result: TestResult, model: str, time_unit: str) -> dict[str, Any]:
+def test_to_json(result: TestResult, shortening: Shortening | None, model: str, time_unit: str) -> dict[str, Any]:
     """One object, as docs/schema/test.schema.json describes it. Times are in units of the model."""
     plain = PlainData(
         {
@@ -77,6 +87,14 @@ def test_to_json(result: TestResult, model: str, time_unit: str) -> dict[str, An
         "outputs": len(result.recording.events) - result.inputs,
         "states": result.explored,
         "largest_estimate": result.states,
+        "shortening": None
+        if shortening is None
+        else {
+            "inputs": shortening.inputs,
+            "tests": shortening.tries,
+            "repeated": shortening.is_repeated,
+            "minimal": shortening.is_minimal,
+        },
         "events": plain.of(list(result.recording.events)),
         "conformance": None if result.conformance is None else answer_to_json(result.conformance),
     }

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import ceil, floor
 from random import Random
+from typing import Protocol
 
 from tachk.base.records import dataclass
 from tachk.engine.state_estimate import Window
+from tachk.recordings.conformance.events import Cell, RecordedEvent
 from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext
 
 _WAITS = 0.15
@@ -19,32 +21,70 @@ _WAITS = 0.15
 class PlannedInput:
     """An input that is sent at a moment, in units of the model since its start, if nothing is seen before."""
 
-    event: AllowedEvent
+    name: str
+    cells: Mapping[str, Cell]
     moment: Fraction
 
 
-def random_input(
-    random: Random, allowed: AllowedNext, now: Fraction, longest: int, tolerance: Fraction, late: Fraction
-) -> PlannedInput | None:
-    """An input that the environment may send, at a moment at which the system can receive it whatever state it is in.
+class InputChoice(Protocol):
+    """The inputs of a test."""
 
-    Moments at boundaries are likelier than others, since faults of timing show there. None where there is
-    no such input, or to leave the system alone.
+    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        """The next input, if nothing is seen before; None for none in the time that was looked ahead."""
 
-    Args:
+    def is_sent(self) -> None:
+        """Takes note that the planned input was sent."""
+
+
+class RandomInputs:
+    """Inputs that the environment may send, at moments at which the system can receive them whatever state it is in.
+
+    Moments at boundaries are likelier than others, since faults of timing show there. Now and then the system is left
+    alone.
+    """
+
+    def __init__(self, seed: int, longest: int, tolerance: Fraction, late: Fraction) -> None:
+        """Args:
         longest: the latest moment is so long behind the present one.
         tolerance, late: an input that is sent at t happens in [t - tolerance, t + late].
-    """
-    inputs = [
-        (event, windows)
-        for event in allowed.events
-        if event.is_input and (windows := list(_moments(event, now, now + longest, tolerance, late)))
-    ]
-    if not inputs or random.random() < _WAITS:
-        return None
-    event, windows = random.choice(inputs)
-    low, high = random.choice(windows)
-    return PlannedInput(event, _moment(random, low, high, event.boundaries))
+        """
+        self._random = Random(seed)
+        self._longest = longest
+        self._tolerance = tolerance
+        self._late = late
+
+    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        last = now + self._longest
+        inputs = [
+            (event, windows)
+            for event in allowed.events
+            if event.is_input and (windows := list(_moments(event, now, last, self._tolerance, self._late)))
+        ]
+        if not inputs or self._random.random() < _WAITS:
+            return None
+        event, windows = self._random.choice(inputs)
+        low, high = self._random.choice(windows)
+        return PlannedInput(event.name, event.cells, _moment(self._random, low, high, event.boundaries))
+
+    def is_sent(self) -> None:
+        pass
+
+
+class ScriptedInputs:
+    """The inputs of another test, at the same times."""
+
+    def __init__(self, inputs: Sequence[RecordedEvent]) -> None:
+        self._inputs = inputs
+        self._sent = 0
+
+    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        if self._sent == len(self._inputs):
+            return None
+        event = self._inputs[self._sent]
+        return PlannedInput(event.name, event.cells, max(event.time, now))
+
+    def is_sent(self) -> None:
+        self._sent += 1
 
 
 def _moment(random: Random, low: Fraction, high: Fraction, boundaries: Sequence[int]) -> Fraction:

@@ -14,8 +14,9 @@ from tachk.recordings.conformance.conform_file import constants_of, duration
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
 from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.shortening import Shortening, shorten
 from tachk.simulation.testing.system_adapter import SystemAdapter
-from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, run_test
+from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,7 @@ class TestRequest:
     Attributes:
         adapter: the system, as `--adapter` names it; or a model, whose processes stand for the system.
         duration, pause, tolerance, late: durations such as ``5ms``; None: as the model says.
+        shorten: for so many seconds shorter tests that fail are looked for if a test fails.
     """
 
     __test__ = False
@@ -35,10 +37,16 @@ class TestRequest:
     tolerance: str | None = None
     late: str | None = None
     pause: str | None = None
+    shorten: float | None = None
 
 
-def run_test_of_model(loaded: LoadedModel, name: str, request: TestRequest, limits: Limits) -> TestResult:
-    """Runs a test. Raises as `run_test`, and UsageError for a model without a recording."""
+def run_test_of_model(
+    loaded: LoadedModel, name: str, request: TestRequest, limits: Limits
+) -> tuple[TestResult, Shortening | None]:
+    """Runs a test; if it fails and that is wanted, gives the shortest one that fails.
+
+    Raises as `run_test`, and UsageError for a model without a recording.
+    """
     mapping = loaded.recording
     if mapping is None or not mapping.visible:
         raise UsageError(
@@ -62,11 +70,19 @@ def run_test_of_model(loaded: LoadedModel, name: str, request: TestRequest, limi
         None if request.pause is None else int(duration(request.pause, unit)),
         limits,
     )
-    if isinstance(request.adapter, str):
-        system = open_adapter(request.adapter, nanoseconds_of(unit))
-    else:
-        system = _system_of(request.adapter, request.seed)
-    return run_test(TestedModel.of(network, mapping, constants_of(loaded)), system, settings)
+    tested = TestedModel.of(network, mapping, constants_of(loaded))
+
+    def open_system() -> SystemAdapter:
+        if isinstance(request.adapter, str):
+            return open_adapter(request.adapter, nanoseconds_of(unit))
+        return _system_of(request.adapter, request.seed)
+
+    run = follow(tested, open_system(), settings, tested.random_inputs(settings))
+    result = confirmed(tested, run)
+    if request.shorten is None or result.verdict is not TestVerdict.FAIL:
+        return result, None
+    shortening = shorten(tested, open_system, run, result, request.shorten)
+    return shortening.result, shortening
 
 
 def _system_of(loaded: LoadedModel, seed: int) -> SystemAdapter:

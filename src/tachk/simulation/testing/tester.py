@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from enum import StrEnum
 from fractions import Fraction
 from math import ceil
-from random import Random
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.records import dataclass
@@ -24,7 +23,7 @@ from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
-from tachk.simulation.testing.input_choice import PlannedInput, random_input
+from tachk.simulation.testing.input_choice import InputChoice, PlannedInput, RandomInputs
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
 from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
 
@@ -110,12 +109,21 @@ class TestedModel:
         """Raises UsageError for a model that cannot be followed, UnsupportedError."""
         return TestedModel(network, mapping, constants, instrumented_network(network, mapping))
 
+    def pause(self, settings: TestSettings) -> int:
+        """The longest time until the next input."""
+        return self.instrumented.largest_constant if settings.pause is None else settings.pause
+
+    def random_inputs(self, settings: TestSettings) -> RandomInputs:
+        """The inputs of a test with these settings."""
+        return RandomInputs(settings.seed, self.pause(settings), settings.tolerance, settings.late)
+
 
 @dataclass(frozen=True, slots=True)
 class TestRun:
     """A test that was run, not yet judged.
 
     Attributes:
+        sent: the inputs.
         is_as_modelled: the system did what the model allows.
         others: as of `TestResult`.
     """
@@ -124,7 +132,7 @@ class TestRun:
 
     settings: TestSettings
     recording: EventLog
-    inputs: int
+    sent: tuple[RecordedEvent, ...]
     is_as_modelled: bool
     allowed: AllowedNext | None
     reason: str
@@ -133,17 +141,17 @@ class TestRun:
 
 
 def run_test(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestResult:
-    """Runs one test, and judges it from its recording.
+    """Runs one test with random inputs, and judges it from its recording.
 
     Raises UsageError for a system that does not start, and for lines that are no events, and InternalError if the
     verdict is not that of the recording.
     """
-    return confirmed(model, follow(model, system, settings))
+    return confirmed(model, follow(model, system, settings, model.random_inputs(settings)))
 
 
-def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestRun:
-    """Runs one test. Raises UsageError as `run_test`."""
-    test = _TestUnderWay(model, system, settings)
+def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, choice: InputChoice) -> TestRun:
+    """Runs one test with these inputs. Raises UsageError as `run_test`."""
+    test = _TestUnderWay(model, system, settings, choice)
     try:
         test.run()
     finally:
@@ -173,23 +181,23 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
             verdict = TestVerdict.INCONCLUSIVE
             reason = "the system did what the environment of the model does not expect"
     allowed = run.allowed if verdict is TestVerdict.FAIL else None
-    return TestResult(verdict, settings, run.recording, run.inputs, allowed, reason, found, run.states, run.explored)
+    return TestResult(verdict, settings, run.recording, len(run.sent), allowed, reason, found, run.states, run.explored)
 
 
 class _TestUnderWay:
     """A test under way."""
 
-    def __init__(self, model: TestedModel, system: SystemAdapter, settings: TestSettings) -> None:
+    def __init__(self, model: TestedModel, system: SystemAdapter, settings: TestSettings, choice: InputChoice) -> None:
         self.system = system
         self.settings = settings
-        self.random = Random(settings.seed)
-        self.pause = model.instrumented.largest_constant if settings.pause is None else settings.pause
+        self.choice = choice
+        self.pause = model.pause(settings)
         self.followed = FollowedSystem(
             model.instrumented, model.mapping, model.constants, settings.tolerance, settings.late, settings.limits
         )
         self.known = Fraction(0)
         self.events: list[RecordedEvent] = []
-        self.inputs = 0
+        self.sent: list[RecordedEvent] = []
         self.states = 1
         self.reason = ""
         self.is_as_modelled = True
@@ -217,7 +225,7 @@ class _TestUnderWay:
         now = max(self.system.time(), self.known)
         spread = max(self.settings.tolerance, self.settings.late)
         self.allowed = self.followed.allowed(ceil(now) + self.pause + ceil(spread) + 1)
-        planned = random_input(self.random, self.allowed, now, self.pause, self.settings.tolerance, self.settings.late)
+        planned = self.choice.next_input(self.allowed, now)
         self._wait(planned, now, spread)
         return True
 
@@ -231,9 +239,9 @@ class _TestUnderWay:
             return
         self.known = until
         if planned is not None and planned.moment <= until:
-            time = self.system.send(planned.event.name, planned.event.cells)
-            self.inputs += 1
-            self._note(time, planned.event.name, planned.event.cells)
+            time = self.system.send(planned.name, planned.cells)
+            self.choice.is_sent()
+            self.sent.append(self._note(time, planned.name, planned.cells))
 
     def _take_outputs(self, until: Fraction) -> bool:
         """Waits for an output, and takes those that come with it. False if none came."""
@@ -247,10 +255,11 @@ class _TestUnderWay:
             seen = self.system.next_output(self.known)
         raise SystemEndedError(f"the system sends {_AT_ONCE} outputs at the same time")
 
-    def _note(self, time: Fraction, name: str, cells: Mapping[str, Cell]) -> None:
+    def _note(self, time: Fraction, name: str, cells: Mapping[str, Cell]) -> RecordedEvent:
         event = RecordedEvent(time, name, cells, f"event {len(self.events) + 1}")
         self.events.append(event)
         self.followed.observe(event)
+        return event
 
     def outcome(self) -> TestRun:
         end = max([self.known, *(event.time for event in self.events)])
@@ -259,7 +268,7 @@ class _TestUnderWay:
         return TestRun(
             self.settings,
             recording,
-            self.inputs,
+            tuple(self.sent),
             self.is_as_modelled,
             self.allowed,
             self.reason,

@@ -6,6 +6,7 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -45,10 +46,10 @@ recording {
 DRIVEN = Path(__file__).with_name("driven_lamp.py")
 
 
-def outcome_of(adapter: str | tachk.Model, text: str = LAMP, seed: int = 0, **more: str) -> TestResult:
+def outcome_of(adapter: str | tachk.Model, text: str = LAMP, seed: int = 0, **more: Any) -> TestResult:
     system = adapter if isinstance(adapter, str) else adapter.loaded
     request = TestRequest(system, "200ms", seed, **more)
-    return run_test_of_model(tachk.loads(text).loaded, "model", request, Limits(states=10_000))
+    return run_test_of_model(tachk.loads(text).loaded, "model", request, Limits(states=10_000))[0]
 
 
 def program(*words: object) -> str:
@@ -144,3 +145,23 @@ def test_models_pass_their_own_tests(seed: int) -> None:
         settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000))
         result = run_test(prepared, system, settings)
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
+
+
+def test_failures_are_shortened() -> None:
+    """A lamp that answers too late does so from the first press on; one press is enough to show it."""
+    request = TestRequest(f"driven:{program(DRIVEN, 7.5)}", "200ms", seed=3, shorten=30)
+    result, shortening = run_test_of_model(tachk.loads(LAMP).loaded, "model", request, Limits(states=10_000))
+    assert shortening is not None and shortening.is_repeated and shortening.is_minimal
+    assert result.verdict is TestVerdict.FAIL and result.inputs == 1
+
+
+def test_a_fault_that_needs_three_inputs_keeps_them() -> None:
+    """The lamp counts presses, and is slow from the third one on."""
+    counting = LAMP.replace("clock x;", "clock x; int[0, 3] n = 0;").replace(
+        "sync press?; assign x = 0;", "sync press?; assign x = 0, n = n < 3 ? n + 1 : 3;"
+    )
+    slow = counting.replace("guard x >= 3", "guard x >= (n == 3 ? 8 : 3)").replace("x <= 5", "x <= (n == 3 ? 9 : 5)")
+    request = TestRequest(tachk.loads(slow).loaded, "200ms", 1, shorten=30)
+    result, shortening = run_test_of_model(tachk.loads(LAMP).loaded, "model", request, Limits(states=10_000))
+    assert shortening is not None and shortening.is_repeated and shortening.is_minimal
+    assert (result.verdict, result.inputs) == (TestVerdict.FAIL, 3)
