@@ -45,7 +45,7 @@ def run_test_of_model(
 ) -> tuple[TestResult, Shortening | None]:
     """Runs a test; if it fails and that is wanted, gives the shortest one that fails.
 
-    Raises as `run_test`, and UsageError for a model without a recording.
+    Raises as `follow` and `confirmed`, and UsageError for a model without a recording.
     """
     mapping = loaded.recording
     if mapping is None or not mapping.visible:

@@ -140,17 +140,9 @@ class TestRun:
     explored: int
 
 
-def run_test(model: TestedModel, system: SystemAdapter, settings: TestSettings) -> TestResult:
-    """Runs one test with random inputs, and judges it from its recording.
-
-    Raises UsageError for a system that does not start, and for lines that are no events, and InternalError if the
-    verdict is not that of the recording.
-    """
-    return confirmed(model, follow(model, system, settings, model.random_inputs(settings)))
-
-
 def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, choice: InputChoice) -> TestRun:
-    """Runs one test with these inputs. Raises UsageError as `run_test`."""
+    """Runs one test with these inputs. Raises UsageError for a system that does not start, and for lines that are no
+    events."""
     test = _TestUnderWay(model, system, settings, choice)
     try:
         test.run()

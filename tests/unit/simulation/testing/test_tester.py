@@ -18,7 +18,7 @@ from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
-from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, run_test
+from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
 from tests.support.seeds import seeds
 from tests.unit.recordings.conformance.small_models import random_machine, text_of
 from tests.unit.simulation.testing.test_followed_system import with_anyone
@@ -143,7 +143,7 @@ def test_models_pass_their_own_tests(seed: int) -> None:
         policy = random.choice((Policy.STOCHASTIC, Policy.UNIFORM, Policy.BOUNDARY))
         system = ModelledSystem(model.network, mapping, constants, case, policy)
         settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000))
-        result = run_test(prepared, system, settings)
+        result = confirmed(prepared, follow(prepared, system, settings, prepared.random_inputs(settings)))
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
 
 
