@@ -145,6 +145,8 @@ std::optional<FailureTuple> failure_of(Explorer& explorer, std::size_t goal) {
 void bind_explorer(nb::module_& m) {
   nb::class_<Explorer>(m, "Explorer")
       .def(nb::new_(&make_explorer), nb::arg("image"), nb::arg("options"), nb::arg("limits"))
+      .def("begin_after", &Explorer::begin_after, nb::arg("actions"),
+           "Lets the search, and all its paths, begin where these actions lead to; False if they lead nowhere.")
       .def("run", &run_patiently<Explorer>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("poll") = nb::none(),
            "Explores up to this many states; TIME_LIMIT if it was given up in the midst of one.")
@@ -176,6 +178,8 @@ void bind_explorer(nb::module_& m) {
       .def("path", &Explorer::path, nb::arg("node"), "The edge numbers of each action on the way to a node.")
       .def("path_to_goal", &Explorer::path_to_goal, nb::arg("goal"),
            "The edge numbers of each action on the way to where a goal was reached, or failed.")
+      .def("path_to_edge", &Explorer::path_to_edge, nb::arg("edge"),
+           "The edge numbers of each action on the way to where an edge was taken, with the action that takes it.")
       .def("any_failure", &Explorer::any_failure, "True if a predicate of some goal was a run-time error.")
       .def("failure", &failure_of, nb::arg("goal"),
            "(kind, code position, path) of a run-time error in a predicate of a goal, or None.")

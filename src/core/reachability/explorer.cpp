@@ -146,6 +146,19 @@ bool Explorer::keeps_layers(std::uint32_t node) {
 
 // ---- the interface --------------------------------------------------------------------------------------------------
 
+bool Explorer::begin_after(const Path& actions) {
+  if (graph_.representatives().active()) throw std::invalid_argument("processes do not keep their places");
+  std::vector<symbolic::SymbolicState> states;
+  try {
+    states = states_after(graph_, actions);
+  } catch (const ModelFault&) {
+  } catch (const symbolic::ConstantOverflow&) {
+  }
+  const bool possible = !states.empty();
+  graph_.begin_at(std::move(states));
+  return possible;
+}
+
 Status Explorer::run(std::uint64_t expansions) {
   if (fault_) return Status::fault;
   if (work_.is_full) return Status::memory_limit;
@@ -189,6 +202,7 @@ std::unique_ptr<Explorer> Explorer::among_origins(std::uint32_t node, Program pr
   Options options = options_;
   options.merging = false;
   auto search = std::make_unique<Explorer>(std::move(program), options);
+  search->graph_.begin_at(graph_.beginnings());
   std::vector<std::int32_t> slots(source_.slots.size());
   for (const std::uint32_t origin : store_.merging().origins(store_.states(), node)) {
     store_.states().unpack(origin, slots.data());
@@ -209,6 +223,22 @@ Path Explorer::path_to_goal(std::size_t goal) {
     if (narrow->run(1) != Status::running && narrow->settled_in(goal) == no_node)
       throw std::logic_error("merged states are not reached one by one");
   return narrow->path_to_goal(goal);
+}
+
+Path Explorer::path_to_edge(std::size_t edge) {
+  if (!parts_.taken.taken(edge)) throw std::invalid_argument("this edge has not been taken");
+  if (graph_.representatives().active()) throw std::invalid_argument("processes do not keep their places");
+  const std::uint32_t source = parts_.taken.source(edge);
+  if (!has_merged()) {
+    Path actions = path(source);
+    actions.push_back(parts_.taken.action(edge));
+    return actions;
+  }
+  const std::unique_ptr<Explorer> narrow = among_origins(source, graph_.program());
+  while (!narrow->parts_.taken.taken(edge))
+    if (narrow->run(1) != Status::running && !narrow->parts_.taken.taken(edge))
+      throw std::logic_error("merged states do not take one by one what they take together");
+  return narrow->path_to_edge(edge);
 }
 
 Path Explorer::path(std::uint32_t node) { return path_to(graph_, store_.states(), node); }

@@ -52,6 +52,9 @@ class Explorer final {
   Explorer(const Explorer&) = delete;
   Explorer& operator=(const Explorer&) = delete;
 
+  // Lets the search begin where these actions lead to, as do all paths then. Call it before `run`. False if they lead
+  // nowhere, or something goes wrong on the way. Not where processes are interchangeable.
+  bool begin_after(const symbolic::Path& actions);
   // Explores at most `expansions` states. `running` asks for another call. Throws GivenUp.
   Status run(std::uint64_t expansions);
 
@@ -83,6 +86,9 @@ class Explorer final {
   // The run-time error in a predicate of a goal, which is not looked for since.
   const std::optional<GoalFailure>& failure(std::size_t goal) const { return parts_.goals.failure(goal); }
   bool any_failure() const { return parts_.goals.any_failure(); }
+  // Actions from the initial state on, the last of which takes an edge that has been taken. Not where processes are
+  // interchangeable.
+  symbolic::Path path_to_edge(std::size_t edge);
   // Actions that lead from the initial state to where a goal has been reached or has failed.
   symbolic::Path path_to_goal(std::size_t goal);
   // True if these actions, taken one after the other from the initial state, can end in a goal. For an explorer

@@ -235,16 +235,20 @@ std::optional<ActionFault> fault_after(ZoneGraph& graph, SymbolicState& state) {
   return std::nullopt;
 }
 
-bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal) {
+std::vector<SymbolicState> states_after(ZoneGraph& graph, const Path& actions) {
   std::vector<SymbolicState> states;
+  graph.start(ActionSuccessors{{}, graph, states});
+  for (const Edges& edges : actions) {
+    std::vector<SymbolicState> next;
+    for (SymbolicState& state : states) graph.expand(state, ActionSuccessors{{}, graph, next, &edges});
+    states.swap(next);
+  }
+  return states;
+}
+
+bool leads_to(ZoneGraph& graph, GoalWatch& goals, DeadlockWatch& deadlocks, const Path& actions, std::size_t goal) {
   try {
-    graph.start(ActionSuccessors{{}, graph, states});
-    for (const Edges& edges : actions) {
-      std::vector<SymbolicState> next;
-      for (SymbolicState& state : states) graph.expand(state, ActionSuccessors{{}, graph, next, &edges});
-      states.swap(next);
-    }
-    for (SymbolicState& state : states) {
+    for (SymbolicState& state : states_after(graph, actions)) {
       goals.check(0, state.slots.data(), state.zone.get());
       if (!deadlocks.open()) continue;
       deadlocks.before_expand(0, state);

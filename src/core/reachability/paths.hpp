@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "reachability/deadlock_watch.hpp"
 #include "reachability/goals.hpp"
@@ -20,6 +21,9 @@ symbolic::Path path_to(symbolic::ZoneGraph& graph, states::PassedList& passed, s
 
 // The run-time error in an action of a state.
 std::optional<symbolic::ActionFault> fault_after(symbolic::ZoneGraph& graph, symbolic::SymbolicState& state);
+
+// The states to which these actions lead, one after the other, from the initial state.
+std::vector<symbolic::SymbolicState> states_after(symbolic::ZoneGraph& graph, const symbolic::Path& actions);
 
 // True if these actions, taken one after the other from the initial state, can end in a goal. For a graph without
 // extrapolation and of goals that no state has been shown to; false also if clock values become too large on the way.

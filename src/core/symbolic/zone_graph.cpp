@@ -125,6 +125,16 @@ bool ZoneGraph::within(std::span<const std::uint32_t> edges, Body&& body) {
 }
 
 void ZoneGraph::start_for(ReceiverOfSuccessors& receiver) {
+  if (beginnings_) {
+    for (const SymbolicState& state : *beginnings_) {
+      effect_.slots = state.slots;
+      effect_.written = program::SlotSet::all();
+      receiver.expect(effect_);
+      const Successor beginning{{}, effect_.slots.data(), state.zone.get()};
+      if (receiver.wants(beginning)) receiver.take(beginning);
+    }
+    return;
+  }
   if (!begin()) return;
   zones::ZoneBuffer zero(operations_);
   operations_.make_zero(zero.get(), program_.dimension());

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "program/program.hpp"
@@ -63,6 +65,9 @@ class ZoneGraph final {
   // and whether it is done.
   Representatives& representatives() { return representatives_; }
 
+  // Lets other states be the initial ones: those that a path leads to. Not where processes are interchangeable.
+  void begin_at(std::optional<std::vector<SymbolicState>> states) { beginnings_ = std::move(states); }
+  const std::optional<std::vector<SymbolicState>>& beginnings() const { return beginnings_; }
   // The successors that no action leads to: the initial states. Throws ModelFault, ConstantOverflow.
   template <class R>
   void start(R&& receiver) {
@@ -149,6 +154,7 @@ class ZoneGraph final {
   Abstraction abstraction_;
   Representatives representatives_;
   EquivalentProcesses equivalent_;
+  std::optional<std::vector<SymbolicState>> beginnings_;  // instead of those of the program
   Effect effect_;
   zones::ZoneBuffer target_;
   std::vector<std::int32_t> sorted_slots_;

@@ -1,6 +1,7 @@
 // The search on programs built by hand: known state counts, all options alike, faults, deadlock, broadcast, priorities.
 #include "reachability/explorer.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <vector>
@@ -239,6 +240,42 @@ void test_times_in_the_largest_unit() {
   }
 }
 
+// Every edge of Fischer's protocol is taken at the end of the path to it, and beyond the end of another path.
+void test_paths_to_edges() {
+  for (const bool merging : {true, false})
+    for (const SearchOrder order : {SearchOrder::breadth_first, SearchOrder::depth_first}) {
+      Options options;
+      options.order = order;
+      options.merging = merging;
+      Program program = fischer(3, 1);
+      program.goals = {Goal{}};
+      Explorer explorer(program, options);
+      CHECK(explorer.run(UINT64_MAX) == Status::finished);
+      CHECK(explorer.taken().size() == program.edges.size());
+      const Path before = explorer.path_to_edge(explorer.taken().back());
+      for (const std::uint32_t edge : explorer.taken()) {
+        const Path path = explorer.path_to_edge(edge);
+        CHECK(std::count(path.back().begin(), path.back().end(), edge) == 1);
+        Explorer onward(program, options);
+        CHECK(onward.begin_after(before));
+        CHECK(onward.run(UINT64_MAX) == Status::finished);
+        Path whole = before;
+        for (const Edges& action : onward.path_to_edge(edge)) whole.push_back(action);
+        CHECK(Explorer(program, options).begin_after(whole));
+        whole.push_back(whole.back());  // no edge leads back to where it begins
+        CHECK(!Explorer(program, options).begin_after(whole));
+      }
+    }
+  Explorer fresh(fischer(2, 1), Options{});
+  bool refused = false;
+  try {
+    fresh.path_to_edge(0);
+  } catch (const std::invalid_argument&) {
+    refused = true;
+  }
+  CHECK(refused);
+}
+
 void test_slices_and_limits() {
   Explorer whole(fischer(4, 2), Options{});
   CHECK(whole.run(UINT64_MAX) == Status::finished);
@@ -453,6 +490,7 @@ int main() {
   test_committed_states_are_passed_through();
   test_packed_zones_are_the_same_zones();
   test_times_in_the_largest_unit();
+  test_paths_to_edges();
   test_slices_and_limits();
   test_deadlock();
   test_a_seeming_deadlock_has_no_run();
