@@ -49,6 +49,7 @@ LINES = {
     "monitor": ("monitor", *VESSEL, "--property", "cooling"),
     "conform": ("conform", DIMMER, PRESSED),
     "test": ("test", DIMMER, "--simulate", DIMMER),
+    "tests": ("tests", DIMMER, "-o", "suite"),
     "monitor --find": ("monitor", "G (valve -> F[0, T s] !valve)", VESSEL[1], "--find", "T=0..300"),
     "xrce decode": ("xrce", "decode", CAPTURE),
     "xrce measure": ("xrce", "measure", CAPTURE),

@@ -51,6 +51,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "engine/closed_set.py",
         "engine/core_search.py",
         "engine/cover.py",
+        "engine/edge_paths.py",
         "engine/exact/exact_run.py",
         "engine/liveness.py",
         "engine/local_times.py",

@@ -51,6 +51,7 @@ SECTIONS = {
         "monitor": "Check properties on a recorded trace, or while it is recorded.",
         "conform": "Check whether recorded events are a run of a model.",
         "test": "Test a running system by a model.",
+        "tests": "Make a test suite of a model: runs that take all its edges.",
         "plot": "Draw a trace and the violations of properties on it.",
         "chart": "Draw a sequence chart of a capture or of a run.",
         "xrce": "Decode, measure, relay and answer packets of DDS-XRCE.",

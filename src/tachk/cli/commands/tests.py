@@ -1,0 +1,155 @@
+"""`tachk tests`: make a test suite of a model."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.records import dataclass
+from tachk.cli import options
+from tachk.cli.distribution import distributed
+from tachk.cli.exit_status import ExitStatus
+from tachk.cli.guard import print_diagnostics
+from tachk.engine.options import Limits
+
+if TYPE_CHECKING:
+    from tachk.api.model import Model
+    from tachk.verify.covering.suite import CoveringSuite
+
+COVERAGES = ("edges", "locations")
+
+
+@click.command(name="tests")
+@click.argument("model", metavar="MODEL", type=click.Path(), help="A model file.")
+@options.definitions
+@click.option(
+    "cover",
+    "--cover",
+    type=click.Choice(COVERAGES),
+    default=COVERAGES[0],
+    show_default=True,
+    help="What the runs cover together, in each process. edges: each edge is taken; locations: each is visited.",
+)
+@click.option(
+    "folder",
+    "-o",
+    "--output",
+    metavar="FOLDER",
+    type=options.written_file,
+    help="Write the runs into this folder, and test_cover.py, with which pytest replays them. Without: only report.",
+)
+@options.max_states()
+@options.max_seconds("Stop after this time; what was not found by then is unknown, with exit status 20.")
+@click.option(
+    "form",
+    "--format",
+    type=click.Choice(("text", "json")),
+    default="text",
+    show_default=True,
+    help="Form of the report.",
+)
+@click.option("quiet", "-q", "--quiet", is_flag=True, help="Print no report; only set the exit status.")
+def command(**given: Any) -> None:
+    """Make a test suite of a model: a few runs that together take all its edges, or visit all its locations.
+
+    What no run covers is named, with the reason. Exit status: 0 all that can be covered is covered, 20 of something
+    that is unknown, 2 bad input.
+    """
+
+    (arguments,) = distributed(given, SuiteArguments)
+    options.finish(lambda: run_tests_command(arguments))
+
+
+@dataclass(frozen=True, slots=True)
+class SuiteArguments:
+    """Arguments of `tachk tests`."""
+
+    model: str
+    cover: str = COVERAGES[0]
+    folder: Path | None = None
+    definitions: tuple[str, ...] = ()
+    states: int | None = None
+    seconds: float | None = None
+    form: str = "text"
+    quiet: bool = False
+
+
+def run_tests_command(arguments: SuiteArguments) -> ExitStatus:
+    """Finds the runs, writes them, and reports."""
+    from tachk.api import model as api
+    from tachk.cli.arguments import parse_definitions
+    from tachk.engine.outcome import INTERRUPTED
+    from tachk.report.covering.json import suite_to_json
+    from tachk.report.covering.text import suite_to_text
+    from tachk.simulation.stepping.files import check_determined
+    from tachk.verify.covering.coverage import Coverage
+    from tachk.verify.covering.suite import covering_suite
+
+    model = api.load(arguments.model, **parse_definitions(arguments.definitions))
+    print_diagnostics((*model.refusals, *model.warnings))
+    check_determined(model.network)
+    limits = Limits(states=arguments.states, seconds=arguments.seconds)
+    suite = covering_suite(model.network, Coverage(arguments.cover), limits=limits)
+    files = [] if arguments.folder is None else _write(arguments, arguments.folder, model, suite)
+    if not arguments.quiet:
+        if arguments.form == "json":
+            json.dump(suite_to_json(model.network, suite, arguments.model, files), sys.stdout, indent=2)
+            sys.stdout.write("\n")
+        else:
+            names = [each[0] for each in files]
+            sys.stdout.write(suite_to_text(model.network, suite, arguments.model, names))
+    reasons = {reason for _, reason in suite.unknown}
+    if INTERRUPTED in reasons:
+        return ExitStatus.INTERRUPTED
+    return ExitStatus.UNKNOWN if reasons else ExitStatus.AS_EXPECTED
+
+
+def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: CoveringSuite) -> list[list[str]]:
+    """Writes the runs, their events where the model says what is seen of it, and the file that replays them.
+
+    Returns the names of the files of each run. Raises UsageError where there is no such folder to be made.
+    """
+    from tachk.base.whole_files import write_whole
+    from tachk.cli.arguments import parse_definitions
+    from tachk.meaning.run_view import RunNames
+    from tachk.recordings.conformance.conform_file import constants_of
+    from tachk.recordings.conformance.event_tables import event_rows
+    from tachk.report.covering.replaying_file import pytest_file
+    from tachk.simulation.stepping.run_file import SUFFIX, run_text
+    from tachk.simulation.testing.run_events import recording_of_run
+    from tachk.simulation.testing.tested_model import nanoseconds_of
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be made: {error.strerror or error}", "name another folder") from None
+    given = parse_definitions(arguments.definitions)
+    constants = {name: value for name, value in model.constants.items() if name in given}
+    names, stem, mapping = RunNames(model.network), Path(arguments.model).stem, model.loaded.recording
+    length = nanoseconds_of(model.network.time_unit)
+    files: list[list[str]] = []
+    for number, each in enumerate(suite.runs, start=1):
+        run = f"{stem}-{number}{SUFFIX}"
+        heading = [f"a run of {Path(arguments.model).name}, {number} of {len(suite.runs)}"]
+        write_whole(folder / run, run_text(names, each.run, heading, constants))
+        files.append([run])
+        if mapping is not None and mapping.visible:
+            recording = f"{stem}-{number}.jsonl"
+            limits = Limits(states=arguments.states)
+            events = recording_of_run(model.network, mapping, constants_of(model.loaded), each.run, recording, limits)
+            write_whole(folder / recording, "".join(event_rows(events, length)))
+            files[-1].append(recording)
+    text = pytest_file(
+        os.path.relpath(arguments.model, folder).replace(os.sep, "/"),
+        arguments.definitions,
+        [each[0] for each in files],
+        [name for each in files for name in each[1:]],
+    )
+    write_whole(folder / "test_cover.py", text)
+    return files

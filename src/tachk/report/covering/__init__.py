@@ -1,0 +1,1 @@
+"""Reports on test suites, and their files."""

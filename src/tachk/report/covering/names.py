@@ -1,0 +1,43 @@
+"""The names of what a test suite covers, and its size in words."""
+
+from __future__ import annotations
+
+from tachk.engine.edge_paths import Place
+from tachk.model.network import Network
+from tachk.model.quantity import grouped
+from tachk.model.run import Participant
+from tachk.simulation.stepping.run_file import alike_edges
+from tachk.verify.covering.coverage import Coverage
+from tachk.verify.covering.suite import CoveringSuite
+
+
+def place_text(network: Network, coverage: Coverage, place: Place) -> str:
+    """``P: A -> B #2`` as in the file of a run, or ``P.A``."""
+    number, each = place
+    process = network.processes[number]
+    if coverage is Coverage.LOCATIONS:
+        return f"{process.name}.{process.locations[each].name}"
+    alike = alike_edges(network, Participant(number, each))
+    which = f" #{alike.index(each) + 1}" if len(alike) > 1 else ""
+    edge = process.edges[each]
+    return f"{process.name}: {process.locations[edge.source].name} -> {process.locations[edge.target].name}{which}"
+
+
+def size_text(suite: CoveringSuite) -> str:
+    """``12 runs with 97 steps take 41 of 43 edges; 2 cannot be taken``"""
+    edges = suite.coverage is Coverage.EDGES
+    one = len(suite.runs) == 1
+    verb = ("takes" if one else "take") if edges else ("visits" if one else "visit")
+    what, done = ("edge", "taken") if edges else ("location", "visited")
+    covered, whole = len(suite.covered), len(suite.places)
+    share = f"all {counted(whole, what)}" if covered == whole else f"{grouped(covered)} of {counted(whole, what)}"
+    text = f"{counted(len(suite.runs), 'run')} with {counted(suite.steps, 'step')} {verb} {share}"
+    if suite.impossible:
+        text += f"; {grouped(len(suite.impossible))} cannot be {done}"
+    if suite.unknown:
+        text += f"; {grouped(len(suite.unknown))} unknown"
+    return text
+
+
+def counted(count: int, what: str) -> str:
+    return f"{grouped(count)} {what}{'' if count == 1 else 's'}"

@@ -1,0 +1,49 @@
+"""The report on a test suite for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from tachk.engine.edge_paths import Place
+from tachk.model.network import Network
+from tachk.model.quantity import duration, grouped
+from tachk.report.covering.names import counted, place_text, size_text
+from tachk.verify.covering.coverage import Coverage
+from tachk.verify.covering.suite import CoveringSuite
+
+_SHOWN = 20
+"""So many places that are not covered are named."""
+
+
+def suite_to_text(network: Network, suite: CoveringSuite, model: str, files: Sequence[str]) -> str:
+    """The size of a suite, its runs, and what they do not cover.
+
+    Args:
+        files: the name of each run; empty if none is written.
+    """
+    return "".join(f"{line}\n" for line in _lines(network, suite, model, files))
+
+
+def _lines(network: Network, suite: CoveringSuite, model: str, files: Sequence[str]) -> Iterator[str]:
+    yield f"{model}: {size_text(suite)}"
+    what = suite.coverage.value.removesuffix("s")
+    for number, each in enumerate(suite.runs):
+        name = files[number] if files else f"run {number + 1}"
+        end = duration(each.run.states[-1].time, network.time_unit)
+        steps = counted(len(each.run.path), "step")
+        yield f"  {name}: {steps}, to {end}, {counted(len(each.new), f'more {what}')}"
+    done = "taken" if suite.coverage is Coverage.EDGES else "visited"
+    yield from _missing(network, suite.coverage, f"cannot be {done}", suite.impossible)
+    yield from _missing(network, suite.coverage, "unknown", suite.unknown)
+
+
+def _missing(network: Network, coverage: Coverage, heading: str, missing: Iterable[tuple[Place, str]]) -> Iterator[str]:
+    """The places that are not covered, with the reasons."""
+    listed = list(missing)
+    if not listed:
+        return
+    yield f"{heading}:"
+    for place, reason in listed[:_SHOWN]:
+        yield f"  {place_text(network, coverage, place)}: {reason}"
+    if len(listed) > _SHOWN:
+        yield f"  and {grouped(len(listed) - _SHOWN)} more: --format json names all"

@@ -1,0 +1,44 @@
+"""Coverage criteria: what the runs of a test suite are to take or to visit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import StrEnum
+
+from tachk.engine.edge_paths import Place
+from tachk.model.network import Network
+from tachk.model.run import Transition
+
+
+class Coverage(StrEnum):
+    """The criteria, for each process of a network (Myers, "The Art of Software Testing", 1979, has them of programs:
+    branches and statements)."""
+
+    EDGES = "edges"
+    """Each edge is taken."""
+    LOCATIONS = "locations"
+    """Each location is visited."""
+
+    def all(self, network: Network) -> frozenset[Place]:
+        """All that is to be covered."""
+        parts = (
+            (number, len(process.edges if self is Coverage.EDGES else process.locations))
+            for number, process in enumerate(network.processes)
+        )
+        return frozenset((number, place) for number, count in parts for place in range(count))
+
+    def at_start(self, network: Network) -> frozenset[Place]:
+        """What every run covers."""
+        if self is Coverage.EDGES:
+            return frozenset()
+        return frozenset((number, process.initial) for number, process in enumerate(network.processes))
+
+    def by_edge(self, network: Network, edge: Place) -> Place:
+        """What is covered where an edge is taken."""
+        number, place = edge
+        return edge if self is Coverage.EDGES else (number, network.processes[number].edges[place].target)
+
+    def by_path(self, network: Network, path: Iterable[Transition]) -> frozenset[Place]:
+        """What is covered by a run with these transitions."""
+        taken = ((each.process, each.edge) for transition in path for each in transition.participants)
+        return self.at_start(network) | {self.by_edge(network, edge) for edge in taken}

@@ -1,0 +1,107 @@
+"""`tachk tests`."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import pytest
+from click.testing import CliRunner
+
+from tachk.cli.main import app
+
+ROOT = Path(__file__).parents[3]
+FISCHER = ROOT / "models" / "classics" / "fischer.ta"
+THERMOSTAT = ROOT / "examples" / "thermostat" / "thermostat.ta"
+UNREACHED = """
+process P() {
+    clock x;
+    init location A {
+        invariant x <= 2;
+        to B { guard x >= 2; }
+        to C { guard x > 2; }
+    }
+    location B {}
+    location C { to A {} }
+}
+system P;
+"""
+
+
+def made(*given: object) -> tuple[int, str]:
+    outcome = CliRunner().invoke(app, ["tests", *map(str, given)])
+    return outcome.exit_code, outcome.output if outcome.exit_code == 2 else outcome.stdout
+
+
+def report(*given: object) -> tuple[int, dict]:
+    status, output = made(*given, "--format", "json")
+    document = json.loads(output)
+    jsonschema.validate(document, json.loads((ROOT / "docs/schema/tests.schema.json").read_text(encoding="utf-8")))
+    return status, document
+
+
+@pytest.mark.parametrize("cover", ["edges", "locations"])
+def test_every_run_that_is_written_replays(tmp_path: Path, cover: str) -> None:
+    status, document = report(FISCHER, "-D", "N=3", "--cover", cover, "-o", tmp_path / "suite")
+    assert (status, document["covered"], document["unknown"]) == (0, document["count"], [])
+    assert {path.name for path in (tmp_path / "suite").iterdir()} == {
+        "test_cover.py",
+        *(name for run in document["runs"] for name in run["files"]),
+    }
+    for run in document["runs"]:
+        (name,) = run["files"]
+        replayed = CliRunner().invoke(app, ["replay", str(FISCHER), str(tmp_path / "suite" / name), "--quiet"])
+        assert replayed.exit_code == 0, replayed.output
+    assert len(set().union(*(run["covered"] for run in document["runs"]))) == document["covered"]
+
+
+def test_a_suite_fails_for_a_changed_model(tmp_path: Path) -> None:
+    model = tmp_path / "thermostat.ta"
+    text = THERMOSTAT.read_text(encoding="utf-8")
+    model.write_text(text, encoding="utf-8")
+    status, output = made(model, "-o", tmp_path / "suite")
+    assert (status, "1 run with 8 steps takes 8 of 10 edges; 2 cannot be taken" in output) == (0, True)
+
+    def replayed() -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "suite/test_cover.py"]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    assert "2 passed" in replayed().stdout
+    changed = text.replace("rest >= REST", "rest >= REST + 1")
+    assert changed != text
+    model.write_text(changed, encoding="utf-8")
+    assert "failed" in replayed().stdout
+
+
+def test_what_cannot_be_covered_has_a_reason(tmp_path: Path) -> None:
+    model = tmp_path / "m.ta"
+    model.write_text(UNREACHED, encoding="utf-8")
+    status, output = made(model)
+    assert status == 0
+    assert output.splitlines() == [
+        f"{model}: 1 run with 1 step takes 1 of 3 edges; 2 cannot be taken",
+        "  run 1: 1 step, to 2, 1 more edge",
+        "cannot be taken:",
+        "  P: A -> C: no run takes it",
+        "  P: C -> A: no run reaches the location that it leaves",
+    ]
+    status, document = report(model, "--cover", "locations")
+    assert [each["name"] for each in document["impossible"]] == ["P.C"]
+
+
+def test_limits_leave_places_unknown(tmp_path: Path) -> None:
+    status, document = report(FISCHER, "-D", "N=4", "--max-seconds", "0", "-o", tmp_path)
+    assert (status, document["runs"], document["covered"]) == (20, [], 0)
+    assert {each["reason"] for each in document["unknown"]} == {"time limit"}
+    assert made(FISCHER, "-D", "N=4", "--max-states", "1", "-q") == (20, "")
+
+
+def test_wrong_arguments(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("", encoding="utf-8")
+    status, output = made(FISCHER, "-o", file)
+    assert (status, "cannot be made" in output) == (2, True)
+    assert made(tmp_path / "none.ta")[0] == 2
