@@ -61,7 +61,7 @@ void add_window(std::vector<Window>& windows, Window added) {
 
 StateEstimate::StateEstimate(program::Program program, const reachability::Options& options,
                              const reachability::Limits& limits, std::vector<VisibleChannel> channels,
-                             std::size_t streams)
+                             std::size_t streams, std::vector<std::optional<std::uint32_t>> marks)
     : limits_(limits),
       graph_(plain(std::move(program)), whole(options)),
       channels_(std::move(channels)),
@@ -69,9 +69,14 @@ StateEstimate::StateEstimate(program::Program program, const reachability::Optio
       queues_(streams),
       settled_(streams),
       wanted_(graph_.program().edges.size()),
-      expansion_{
-          graph_.blank(), none, std::vector<std::uint32_t>(streams), none, zones::ZoneBuffer(graph_.operations()),
-          none,           {}} {
+      marks_(std::move(marks)),
+      expansion_{graph_.blank(), none, std::vector<std::uint32_t>(streams),
+                 none,           {},   zones::ZoneBuffer(graph_.operations()),
+                 none,           {}} {
+  marks_.resize(graph_.program().edges.size());
+  for (const std::optional<std::uint32_t>& mark : marks_)
+    if (mark && *mark >= covered_.size()) covered_.resize(*mark + std::size_t{1});
+  expansion_.taken = covered_;
   for (std::size_t place = 0; place < channels_.size(); ++place)
     visible_.at(static_cast<std::size_t>(channels_[place].channel)) = place;
 }
@@ -91,10 +96,11 @@ void StateEstimate::conclude() {
   begin(last, Aim::end);
 }
 
-void StateEstimate::seek(Raw until, const std::vector<std::uint32_t>& edges) {
+void StateEstimate::seek(Raw until, const std::vector<std::uint32_t>& edges, std::size_t states) {
   wanted_.assign(wanted_.size(), false);
   for (const std::uint32_t edge : edges) wanted_.at(edge) = true;
   begin(until, Aim::edge);
+  exploration_.most = states;
 }
 
 void StateEstimate::begin(Raw until, Aim aim) {
@@ -147,7 +153,8 @@ Status StateEstimate::run(std::uint64_t expansions) {
 Status StateEstimate::explore(std::uint64_t expansions) {
   Exploration& exploration = exploration_;
   if (exploration.next == 0 && exploration.reached.size() == 0) begin_with_present();
-  while (exploration.next < exploration.reached.size() && !exploration.found) {
+  while (exploration.next < exploration.reached.size() && !exploration.found &&
+         exploration.reached.size() <= exploration.most) {
     if (expansions-- == 0) return Status::running;
     const std::uint32_t number = exploration.next++;
     const StateSet::Node& node = exploration.reached[number];
@@ -176,6 +183,7 @@ void StateEstimate::begin_with_present() {
     if (!graph_.semantics().invariant(node.slots.data(), invariant)) continue;
     expansion_.zone.assign(node.zone.get());
     expansion_.positions = node.positions;
+    expansion_.taken = node.taken;
     settle(node.slots.data(), invariant);
   }
 }
@@ -207,7 +215,10 @@ void StateEstimate::step(const symbolic::Successor& entry, const std::vector<Ato
   if (expansion_.number != none) {
     expansion_.positions = exploration_.reached[expansion_.number].positions;
     expansion_.lead = exploration_.reached[expansion_.number].lead;
+    expansion_.taken = exploration_.reached[expansion_.number].taken;
   }
+  for (const std::uint32_t edge : entry.edges)
+    if (marks_[edge]) expansion_.taken[*marks_[edge]] = true;
   const std::size_t place = visible(entry.edges);
   if (place != invisible && !take(place, entry)) return;
   const bool wanted = exploration_.aim == Aim::edge && std::any_of(entry.edges.begin(), entry.edges.end(),
@@ -280,7 +291,7 @@ void StateEstimate::settle(std::int32_t* slots, const std::vector<Atom>& invaria
                          within.size());
   }
   graph_.abstract(slots, expansion_.zone, [&](ConstZoneRef zone) {
-    exploration_.reached.add(graph_, slots, expansion_.positions, zone, expansion_.lead);
+    exploration_.reached.add(graph_, slots, expansion_.positions, zone, expansion_.lead, expansion_.taken);
   });
 }
 
@@ -309,13 +320,16 @@ void StateEstimate::move_on() {
   for (StateSet::Node& node : exploration_.reached.nodes()) {
     if (node.covered || !operations.intersect(node.zone.get(), dimension, &there, 1)) continue;
     operations.reset(node.zone.get(), dimension, &again, 1);
-    here.add(graph_, node.slots.data(), node.positions, node.zone.get(), none);
+    here.add(graph_, node.slots.data(), node.positions, node.zone.get(), none, node.taken);
   }
   started_ = true;
   present_.clear();
   for (StateSet::Node& node : here.nodes())
     if (!node.covered) present_.push_back(std::move(node));
   exploration_.reached = {};
+  for (std::size_t mark = 0; mark < covered_.size() && !present_.empty(); ++mark)
+    covered_[mark] = covered_[mark] || std::all_of(present_.begin(), present_.end(),
+                                                   [&](const StateSet::Node& node) { return node.taken[mark]; });
   for (std::size_t stream = 0; stream < queues_.size(); ++stream) {
     std::deque<Observation>& queue = queues_[stream];
     std::size_t settled = queue.size();
@@ -398,6 +412,13 @@ void StateEstimate::note_blocked(std::uint32_t number) {
     for (std::size_t piece = 0; piece < blocked.size(); ++piece)
       exploration_.prediction.blocked.push_back({place, window(blocked[piece])});
   }
+}
+
+std::vector<std::uint32_t> StateEstimate::covered() const {
+  std::vector<std::uint32_t> marks;
+  for (std::uint32_t mark = 0; mark < covered_.size(); ++mark)
+    if (covered_[mark]) marks.push_back(mark);
+  return marks;
 }
 
 std::vector<std::vector<std::int32_t>> StateEstimate::locations() const {

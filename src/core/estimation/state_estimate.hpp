@@ -85,7 +85,8 @@ struct Lead {
 class StateEstimate final {
  public:
   StateEstimate(program::Program program, const reachability::Options& options, const reachability::Limits& limits,
-                std::vector<VisibleChannel> channels, std::size_t streams);
+                std::vector<VisibleChannel> channels, std::size_t streams,
+                std::vector<std::optional<std::uint32_t>> marks);
   StateEstimate(const StateEstimate&) = delete;
   StateEstimate& operator=(const StateEstimate&) = delete;
 
@@ -94,11 +95,11 @@ class StateEstimate final {
 
   // Begin an exploration, which `run` carries out: up to a moment, which becomes the present one; of what may happen
   // first if nothing else is seen up to a moment; of whether all observations can happen, however the system goes on
-  // unseen; of runs that take one of these edges within a time.
+  // unseen; of runs that take one of these edges within a time, among so many states.
   void advance(Raw until);
   void predict(Raw until);
   void conclude();
-  void seek(Raw until, const std::vector<std::uint32_t>& edges);
+  void seek(Raw until, const std::vector<std::uint32_t>& edges, std::size_t states);
 
   // Explores at most so many states; `running` asks for another call.
   reachability::Status run(std::uint64_t expansions);
@@ -108,6 +109,8 @@ class StateEstimate final {
   // How many of the observations have happened in all of them, by stream, since the last call.
   std::vector<std::size_t> take_settled() { return std::exchange(settled_, std::vector<std::size_t>(queues_.size())); }
   std::uint64_t explored() const { return explored_; }
+  // The marks of the edges that were taken in all possible states, on the way to each that is known.
+  std::vector<std::uint32_t> covered() const;
   // The locations of the processes in each possible state.
   std::vector<std::vector<std::int32_t>> locations() const;
   const Prediction& prediction() const { return exploration_.prediction; }
@@ -125,7 +128,8 @@ class StateEstimate final {
     Aim aim = Aim::present;
     Raw until = 0;
     StateSet reached;
-    std::uint32_t next = 0;  // to be expanded
+    std::uint32_t next = 0;       // to be expanded
+    std::size_t most = SIZE_MAX;  // states that are reached
     std::vector<Lead> leads;
     bool found = false;
     std::optional<Lead> lead;
@@ -144,6 +148,7 @@ class StateEstimate final {
     std::uint32_t number = none;
     std::vector<std::uint32_t> positions;
     std::uint32_t lead = none;
+    std::vector<bool> taken;
     zones::ZoneBuffer zone;
     std::uint32_t sender = none;
     std::vector<Accepted> accepted;
@@ -177,7 +182,9 @@ class StateEstimate final {
   std::vector<std::size_t> visible_;  // by number of a channel, its place among the visible ones
   std::vector<std::deque<Observation>> queues_;
   std::vector<std::size_t> settled_;
-  std::vector<bool> wanted_;  // edges
+  std::vector<bool> wanted_;                         // edges
+  std::vector<std::optional<std::uint32_t>> marks_;  // of edges; several may have the same
+  std::vector<bool> covered_;
   std::vector<StateSet::Node> present_;
   bool started_ = false;
   Exploration exploration_;

@@ -12,7 +12,8 @@ std::size_t StateSet::KeyHash::operator()(const Key& key) const {
 }
 
 void StateSet::add(const symbolic::ZoneGraph& graph, const std::int32_t* slots,
-                   const std::vector<std::uint32_t>& positions, zones::ConstZoneRef zone, std::uint32_t lead) {
+                   const std::vector<std::uint32_t>& positions, zones::ConstZoneRef zone, std::uint32_t lead,
+                   const std::vector<bool>& taken) {
   const zones::ZoneOperations& operations = graph.operations();
   const int dimension = graph.program().dimension();
   Key key(slots, slots + graph.program().state_slots);
@@ -27,7 +28,7 @@ void StateSet::add(const symbolic::ZoneGraph& graph, const std::int32_t* slots,
   });
   same.push_back(static_cast<std::uint32_t>(nodes_.size()));
   nodes_.push_back(
-      {{slots, slots + graph.program().slots.size()}, positions, zones::ZoneBuffer(operations), lead, false});
+      {{slots, slots + graph.program().slots.size()}, positions, zones::ZoneBuffer(operations), lead, taken, false});
   nodes_.back().zone.assign(zone);
 }
 

@@ -18,13 +18,14 @@ class StateSet final {
     std::vector<std::int32_t> slots;
     std::vector<std::uint32_t> positions;  // by stream, how many events have happened
     zones::ZoneBuffer zone;
-    std::uint32_t lead;    // the number of the first event on the way to it
-    bool covered = false;  // by another one
+    std::uint32_t lead;       // the number of the first event on the way to it
+    std::vector<bool> taken;  // the marks of edges that were taken on the way to it
+    bool covered = false;     // by another one
   };
 
   // Adds a state, unless another one covers it.
   void add(const symbolic::ZoneGraph& graph, const std::int32_t* slots, const std::vector<std::uint32_t>& positions,
-           zones::ConstZoneRef zone, std::uint32_t lead);
+           zones::ConstZoneRef zone, std::uint32_t lead, const std::vector<bool>& taken);
   std::size_t size() const { return nodes_.size(); }
   Node& operator[](std::size_t number) { return nodes_[number]; }
   std::vector<Node>& nodes() { return nodes_; }

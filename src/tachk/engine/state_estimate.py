@@ -81,14 +81,19 @@ class StateEstimate:
         program: Program,
         channels: Sequence[VisibleChannel],
         streams: int,
+        marks: Sequence[int | None] = (),
         options: Options = Options(),
         limits: Limits = Limits(),
     ) -> None:
         """The first clock of the program is the time since the present moment: nothing resets it, and an invariant
-        bounds it by a constant beyond all moments that are asked for."""
+        bounds it by a constant beyond all moments that are asked for.
+
+        Args:
+            marks: for each edge of the program its mark, if it has one; edges may share one.
+        """
         described = [(c.channel, c.stream, c.is_input, list(c.columns)) for c in channels]
         self._core = _core.StateEstimate(
-            encode(program, ()), core_options(options), core_limits(limits), described, streams
+            encode(program, ()), core_options(options), core_limits(limits), described, streams, list(marks)
         )
 
     @property
@@ -100,6 +105,10 @@ class StateEstimate:
     def explored(self) -> int:
         """How many symbolic states were explored so far."""
         return self._core.explored()
+
+    def covered(self) -> list[int]:
+        """The marks of edges that were taken on the way to each possible state. Of several ways to one, one counts."""
+        return self._core.covered()
 
     def locations(self) -> list[list[int]]:
         """The locations of the processes, for each combination that is possible now."""
@@ -133,13 +142,13 @@ class StateEstimate:
         self._run()
         return self._core.lead()[0]
 
-    def lead(self, until: int, edges: Sequence[int]) -> tuple[bool, PredictedStep | None]:
-        """Whether a run takes one of these edges within a time, and the first visible step of such a run; None if there
-        is none before the edge. Raises EstimateLimitError."""
-        self._core.seek(until, list(edges))
+    def lead(self, until: int, edges: Sequence[int], states: int) -> PredictedStep | None:
+        """The first visible step of a run that takes one of these edges of the program within a time; None if none is
+        found among so many states, or no step comes before the edge. Raises EstimateLimitError."""
+        self._core.seek(until, list(edges), states)
         self._run()
-        found, lead = self._core.lead()
-        return found, None if lead is None else PredictedStep(lead[0], tuple(lead[1]), (lead[2],))
+        _, lead = self._core.lead()
+        return None if lead is None else PredictedStep(lead[0], tuple(lead[1]), (lead[2],))
 
     def _run(self) -> None:
         job = current_job()

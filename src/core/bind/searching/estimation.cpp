@@ -34,13 +34,15 @@ WindowTuple pair_of(const estimation::Window& window) { return {window.low, wind
 
 std::unique_ptr<StateEstimate> make_estimate(const std::vector<std::int64_t>& image,
                                              const reachability::Options& options, const reachability::Limits& limits,
-                                             const std::vector<ChannelTuple>& channels, std::size_t streams) {
+                                             const std::vector<ChannelTuple>& channels, std::size_t streams,
+                                             const std::vector<std::optional<std::uint32_t>>& marks) {
   std::vector<estimation::VisibleChannel> visible;
   for (const auto& [channel, stream, input, columns] : channels) {
     visible.push_back({channel, stream, input, {}});
     for (const auto& [slot, value] : columns) visible.back().columns.push_back({slot, value});
   }
-  return std::make_unique<StateEstimate>(program::decode_program(image), options, limits, std::move(visible), streams);
+  return std::make_unique<StateEstimate>(program::decode_program(image), options, limits, std::move(visible), streams,
+                                         marks);
 }
 
 }  // namespace
@@ -48,7 +50,7 @@ std::unique_ptr<StateEstimate> make_estimate(const std::vector<std::int64_t>& im
 void bind_estimation(nb::module_& m) {
   nb::class_<StateEstimate>(m, "StateEstimate")
       .def(nb::new_(&make_estimate), nb::arg("image"), nb::arg("options"), nb::arg("limits"), nb::arg("channels"),
-           nb::arg("streams"))
+           nb::arg("streams"), nb::arg("marks"))
       .def(
           "observe",
           [](StateEstimate& self, std::size_t stream, std::vector<std::optional<std::int32_t>> values, Raw earliest,
@@ -60,7 +62,7 @@ void bind_estimation(nb::module_& m) {
            "Begins an exploration of what may happen first if nothing else is seen.")
       .def("conclude", &StateEstimate::conclude,
            "Begins an exploration of whether all observations can happen, however the system goes on unseen.")
-      .def("seek", &StateEstimate::seek, nb::arg("until"), nb::arg("edges"),
+      .def("seek", &StateEstimate::seek, nb::arg("until"), nb::arg("edges"), nb::arg("states"),
            "Begins an exploration for runs that take one of these edges.")
       .def("run", &run_patiently<StateEstimate>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("poll") = nb::none(), "Explores up to this many states.")
@@ -68,6 +70,7 @@ void bind_estimation(nb::module_& m) {
       .def("explored", &StateEstimate::explored, "How many states were explored in all.")
       .def("take_settled", &StateEstimate::take_settled,
            "By stream, how many more observations have happened in all possible states since the last call.")
+      .def("covered", &StateEstimate::covered, "The marks of the edges that were taken for sure.")
       .def("locations", &StateEstimate::locations, "The locations of the processes in each possible state.")
       .def(
           "prediction",

@@ -17,6 +17,7 @@ from tachk.cli.exit_status import ExitStatus
 from tachk.cli.guard import print_diagnostics
 from tachk.cli.reporting import Reporting
 from tachk.engine.options import Limits
+from tachk.simulation.testing.goals import TestGoal
 
 if TYPE_CHECKING:
     from tachk.frontend.loaded import LoadedModel
@@ -42,6 +43,13 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--seed", metavar="N", type=int, default=0, show_default=True, help="The random choice of inputs and moments."
+)
+@click.option(
+    "--goal",
+    type=options.Choice(TestGoal),
+    default=TestGoal.RANDOM.value,
+    show_default=True,
+    help="How inputs are chosen. edges: half of them on the way to an edge of the system that was not taken yet.",
 )
 @click.option(
     "--pause",
@@ -105,6 +113,7 @@ class TestArguments:
     record: Path | None = None
     junit: Path | None = None
     shorten: float | None = None
+    goal: TestGoal = TestGoal.RANDOM
     states: int | None = None
 
 
@@ -127,6 +136,7 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         arguments.late,
         arguments.pause,
         arguments.shorten,
+        arguments.goal,
     )
     result, shortening = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
     unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"

@@ -47,6 +47,7 @@ def _lines(result: TestResult, model: str, unit: str) -> Iterator[str]:
         yield from (f"  {_time(event.time)}  {event_text(event)}" for event in events[-_LAST:])
         if result.conformance is not None:
             yield from rejection_lines(result.conformance)
+    yield f"{grouped(result.covered)} of {_counted(result.edges, 'edge')} of the system taken"
     yield f"{grouped(result.explored)} states; at most {grouped(result.states)} at a moment"
 
 
@@ -86,6 +87,7 @@ def test_to_json(result: TestResult, shortening: Shortening | None, model: str, 
         "inputs": result.inputs,
         "outputs": len(result.recording.events) - result.inputs,
         "states": result.explored,
+        "edges": {"taken": result.covered, "all": result.edges},
         "largest_estimate": result.states,
         "shortening": None
         if shortening is None

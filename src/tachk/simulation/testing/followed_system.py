@@ -18,6 +18,12 @@ SOURCE = "the system"
 """The name of what is followed, in messages."""
 
 
+_SIGHT = 10
+"""An edge is looked for as far as so many times the largest constant of the clocks, ..."""
+_STATES_OF_LEAD = 3_000
+"""... and among so many states: that takes some milliseconds."""
+
+
 @dataclass(frozen=True, slots=True)
 class AllowedEvent:
     """An event that may happen first if nothing else does.
@@ -76,7 +82,9 @@ class FollowedSystem:
         self._mapping = mapping
         self._reader = EventStreamReader(mapping, EventLog(SOURCE, (), None, None, Fraction(0)), constants)
         self._streams = {_key(mapping, stream): n for n, stream in enumerate(observed.streams)}
-        self._estimate = StateEstimate(observed.program, observed.channels, len(observed.streams), limits=limits)
+        self._estimate = StateEstimate(
+            observed.program, observed.channels, len(observed.streams), observed.marks, limits=limits
+        )
         self._estimate.advance(0)
 
     @property
@@ -145,6 +153,26 @@ class FollowedSystem:
             for stream in (self._observed.streams[self._observed.channels[step.channel].stream],)
         )
         return AllowedNext(events, self.moment + prediction.silent_until, prediction.silent_until < length)
+
+    @property
+    def covered(self) -> frozenset[int]:
+        """The edges of the system that were taken for sure, by their place in `InstrumentedNetwork.edges`."""
+        return frozenset(self._estimate.covered())
+
+    def lead(self, covered: frozenset[int]) -> AllowedEvent | None:
+        """The first event of a run that takes an edge of the system that is not covered; None if none is found near.
+
+        Raises EstimateLimitError.
+        """
+        marks = self._observed.marks
+        wanted = [n for n, mark in enumerate(marks) if mark is not None and mark not in covered]
+        length = min(_SIGHT * self._observed.largest_constant, LONGEST // 2)
+        step = self._estimate.lead(length, wanted, _STATES_OF_LEAD) if wanted else None
+        if step is None:
+            return None
+        stream = self._observed.streams[self._observed.channels[step.channel].stream]
+        windows = tuple(map(self._since_start, step.windows))
+        return AllowedEvent(stream.visible.event, self._cells(stream, step.values), stream.is_input, windows)
 
     def _since_start(self, window: Window) -> Window:
         return window[0] + self.moment, window[1] + self.moment

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from math import ceil, floor
 from random import Random
 from typing import Protocol
 
-from tachk.base.records import dataclass
-from tachk.engine.state_estimate import Window
+from tachk.base.records import dataclass, replace
+from tachk.engine.state_estimate import EstimateLimitError, Window
 from tachk.recordings.conformance.events import Cell, RecordedEvent
-from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext
+from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext, FollowedSystem
 
+_PAUSE = 4
+"""So many random inputs follow an edge half of the time."""
+_PURSUIT = 30
+"""At most so many inputs are on the way to one edge."""
+_REST = 20
+"""So many random inputs follow where no run to an edge was found."""
 _WAITS = 0.15
 """How often no input is chosen although one is possible, so that the system is also left alone."""
 
@@ -29,7 +36,7 @@ class PlannedInput:
 class InputChoice(Protocol):
     """The inputs of a test."""
 
-    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+    def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
         """The next input, if nothing is seen before; None for none in the time that was looked ahead."""
 
     def is_sent(self) -> None:
@@ -53,7 +60,7 @@ class RandomInputs:
         self._tolerance = tolerance
         self._late = late
 
-    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+    def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
         last = now + self._longest
         inputs = [
             (event, windows)
@@ -70,6 +77,55 @@ class RandomInputs:
         pass
 
 
+class GuidedInputs:
+    """Inputs on the way to an edge of the system that was not taken yet, as soon as they are possible, up to that edge;
+    then random ones for a while. Where no such edge is found near, or the system does not go there, they are random.
+    """
+
+    def __init__(self, seed: int, others: RandomInputs, tolerance: Fraction, late: Fraction) -> None:
+        self._random = Random(seed)
+        self._others = others
+        self._tolerance = tolerance
+        self._late = late
+        self._covered = frozenset[int]()
+        self._left = _PURSUIT
+
+    def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        covered = system.covered
+        if covered != self._covered:
+            self._covered, self._left = covered, self._random.choice((_PURSUIT, -_PAUSE))
+        if self._left > 0:
+            lead = None
+            with suppress(EstimateLimitError):
+                lead = system.lead(covered)
+            if lead is not None:
+                return self._towards(lead, allowed, now)
+            self._left = -_REST
+        return self._others.next_input(system, allowed, now)
+
+    def _towards(self, lead: AllowedEvent, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        """The first moment at which the input is possible and received for sure; None to wait for an output."""
+        for event in allowed.events:
+            if lead.is_input and (event.name, event.cells) == (lead.name, lead.cells):
+                wanted = replace(event, windows=lead.windows)
+                last = Fraction(max(high for _, high in lead.windows))
+                moments = _moments(wanted, now, last, self._tolerance, self._late)
+                found = [PlannedInput(event.name, event.cells, low) for low, _ in moments]
+                return found[0] if found else None
+        return None
+
+    def is_sent(self) -> None:
+        """Half of the time what follows is a pursuit again."""
+        if self._left > 0:
+            self._left -= 1
+            if self._left == 0:
+                self._left = -_REST
+        else:
+            self._left += 1
+            if self._left == 0:
+                self._left = _PURSUIT
+
+
 class ScriptedInputs:
     """The inputs of another test, at the same times."""
 
@@ -77,7 +133,7 @@ class ScriptedInputs:
         self._inputs = inputs
         self._sent = 0
 
-    def next_input(self, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+    def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
         if self._sent == len(self._inputs):
             return None
         event = self._inputs[self._sent]

@@ -71,6 +71,8 @@ class InstrumentedNetwork:
     streams: by number.
     channels: the visible channels of the program.
     largest_constant: with which a clock is compared, at least 1; in units of the model.
+    edges: of the system: the numbers of the process and of its edge.
+    marks: for each edge of the program its place among them; None for edges of the environment.
     """
 
     network: Network
@@ -78,6 +80,8 @@ class InstrumentedNetwork:
     streams: tuple[ObservedStream, ...]
     channels: tuple[VisibleChannel, ...]
     largest_constant: int
+    edges: tuple[tuple[int, int], ...]
+    marks: tuple[int | None, ...]
 
 
 def instrumented_network(network: Network, mapping: RecordingMap) -> InstrumentedNetwork:
@@ -107,7 +111,11 @@ def instrumented_network(network: Network, mapping: RecordingMap) -> Instrumente
     )
     program, _ = lower(whole)
     streams, channels = _streams(network, mapping, program, noted)
-    return InstrumentedNetwork(whole, program, streams, channels, _largest_constant(program))
+    system = [n for n in range(len(network.processes)) if n not in mapping.replaced]
+    edges = tuple((n, number) for n in system for number in range(len(network.processes[n].edges)))
+    places = {edge: place for place, edge in enumerate(edges)}
+    marks = tuple(places.get((edge.process, edge.edge)) for edge in program.edges)
+    return InstrumentedNetwork(whole, program, streams, channels, _largest_constant(program), edges, marks)
 
 
 def _largest_constant(program: Program) -> int:

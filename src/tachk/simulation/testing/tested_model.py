@@ -13,6 +13,7 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.recordings.conformance.conform_file import constants_of, duration
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
+from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.shortening import Shortening, shorten
 from tachk.simulation.testing.system_adapter import SystemAdapter
@@ -38,6 +39,7 @@ class TestRequest:
     late: str | None = None
     pause: str | None = None
     shorten: float | None = None
+    goal: TestGoal = TestGoal.RANDOM
 
 
 def run_test_of_model(
@@ -77,7 +79,7 @@ def run_test_of_model(
             return open_adapter(request.adapter, nanoseconds_of(unit))
         return _system_of(request.adapter, request.seed)
 
-    run = follow(tested, open_system(), settings, tested.random_inputs(settings))
+    run = follow(tested, open_system(), settings, tested.inputs(request.goal, settings))
     result = confirmed(tested, run)
     if request.shorten is None or result.verdict is not TestVerdict.FAIL:
         return result, None

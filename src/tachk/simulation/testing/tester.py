@@ -23,7 +23,8 @@ from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
-from tachk.simulation.testing.input_choice import InputChoice, PlannedInput, RandomInputs
+from tachk.simulation.testing.goals import TestGoal
+from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
 from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
 
@@ -72,6 +73,8 @@ class TestResult:
     conformance: what the search of `tachk conform` says of the recording; None where no verdict is due.
     states: the largest number of symbolic states in which the system may have been at a moment.
     explored: the number of symbolic states that were explored.
+    covered: how many edges of the system were taken, on one way to each state in which it may have been.
+    edges: how many it has.
     """
 
     __test__ = False
@@ -85,6 +88,8 @@ class TestResult:
     conformance: Conformance | None
     states: int
     explored: int
+    covered: int
+    edges: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,9 +118,12 @@ class TestedModel:
         """The longest time until the next input."""
         return self.instrumented.largest_constant if settings.pause is None else settings.pause
 
-    def random_inputs(self, settings: TestSettings) -> RandomInputs:
+    def inputs(self, goal: TestGoal, settings: TestSettings) -> InputChoice:
         """The inputs of a test with these settings."""
-        return RandomInputs(settings.seed, self.pause(settings), settings.tolerance, settings.late)
+        others = RandomInputs(settings.seed, self.pause(settings), settings.tolerance, settings.late)
+        if goal is TestGoal.RANDOM:
+            return others
+        return GuidedInputs(settings.seed, others, settings.tolerance, settings.late)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +146,7 @@ class TestRun:
     reason: str
     states: int
     explored: int
+    covered: frozenset[int]
 
 
 def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, choice: InputChoice) -> TestRun:
@@ -173,7 +182,19 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
             verdict = TestVerdict.INCONCLUSIVE
             reason = "the system did what the environment of the model does not expect"
     allowed = run.allowed if verdict is TestVerdict.FAIL else None
-    return TestResult(verdict, settings, run.recording, len(run.sent), allowed, reason, found, run.states, run.explored)
+    return TestResult(
+        verdict,
+        settings,
+        run.recording,
+        len(run.sent),
+        allowed,
+        reason,
+        found,
+        run.states,
+        run.explored,
+        len(run.covered),
+        len(model.instrumented.edges),
+    )
 
 
 class _TestUnderWay:
@@ -217,7 +238,7 @@ class _TestUnderWay:
         now = max(self.system.time(), self.known)
         spread = max(self.settings.tolerance, self.settings.late)
         self.allowed = self.followed.allowed(ceil(now) + self.pause + ceil(spread) + 1)
-        planned = self.choice.next_input(self.allowed, now)
+        planned = self.choice.next_input(self.followed, self.allowed, now)
         self._wait(planned, now, spread)
         return True
 
@@ -266,4 +287,5 @@ class _TestUnderWay:
             self.reason,
             self.states,
             self.followed.explored,
+            self.followed.covered,
         )

@@ -16,6 +16,7 @@ from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
+from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
 from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
@@ -143,7 +144,9 @@ def test_models_pass_their_own_tests(seed: int) -> None:
         policy = random.choice((Policy.STOCHASTIC, Policy.UNIFORM, Policy.BOUNDARY))
         system = ModelledSystem(model.network, mapping, constants, case, policy)
         settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000))
-        result = confirmed(prepared, follow(prepared, system, settings, prepared.random_inputs(settings)))
+        result = confirmed(
+            prepared, follow(prepared, system, settings, prepared.inputs(random.choice(list(TestGoal)), settings))
+        )
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
 
 
@@ -165,3 +168,37 @@ def test_a_fault_that_needs_three_inputs_keeps_them() -> None:
     result, shortening = run_test_of_model(tachk.loads(LAMP).loaded, "model", request, Limits(states=10_000))
     assert shortening is not None and shortening.is_repeated and shortening.is_minimal
     assert (result.verdict, result.inputs) == (TestVerdict.FAIL, 3)
+
+
+LOCK = """time_unit = 1 ms;
+broadcast chan key[4];
+broadcast chan opens;
+process Lock() {
+    clock x;
+    init location L0 { to L1 { sync key[2]?; assign x = 0; } }
+    location L1 { to L2 { guard x >= 40 && x <= 42; sync key[0]?; assign x = 0; } to L0 { sync key[1]?; } }
+    location L2 { to L3 { guard x >= 90 && x <= 91; sync key[3]?; assign x = 0; } to L0 { sync key[1]?; } }
+    location L3 { invariant x <= 5; to L0 { sync opens!; } }
+}
+process Thief() { init location There { to There { select n : int[0, 3]; sync key[n]!; } } }
+system Lock, Thief;
+recording {
+    replaces Thief;
+    visible key[n] as key(n);
+    visible opens as opens();
+    tolerance 0;
+}
+"""
+
+
+def test_guided_inputs_open_a_lock_that_random_ones_do_not() -> None:
+    opened = dict.fromkeys(TestGoal, 0)
+    for goal in TestGoal:
+        for seed in range(6):
+            request = TestRequest(tachk.loads(LOCK).loaded, "5s", seed, goal=goal)
+            result, _ = run_test_of_model(tachk.loads(LOCK).loaded, "model", request, Limits(states=10_000))
+            assert result.verdict is TestVerdict.PASS and result.edges == 6
+            opened[goal] += any(event.name == "opens" for event in result.recording.events)
+            if goal is TestGoal.EDGES:
+                assert result.covered == 6
+    assert opened == {TestGoal.RANDOM: 0, TestGoal.EDGES: 6}
