@@ -18,7 +18,7 @@ SOURCE = "the system"
 """The name of what is followed, in messages."""
 
 
-_SIGHT = 10
+_DISTANCE = 10
 """An edge is looked for as far as so many times the largest constant of the clocks, ..."""
 _STATES_OF_LEAD = 3_000
 """... and among so many states: that takes some milliseconds."""
@@ -166,7 +166,7 @@ class FollowedSystem:
         """
         marks = self._observed.marks
         wanted = [n for n, mark in enumerate(marks) if mark is not None and mark not in covered]
-        length = min(_SIGHT * self._observed.largest_constant, LONGEST // 2)
+        length = min(_DISTANCE * self._observed.largest_constant, LONGEST // 2)
         step = self._estimate.lead(length, wanted, _STATES_OF_LEAD) if wanted else None
         if step is None:
             return None
