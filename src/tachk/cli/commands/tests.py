@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from tachk.api.model import Model
     from tachk.verify.covering.suite import CoveringSuite
 
+_STATES = 200_000
+"""So many states the check of the events of a run stores at most, unless `--max-states` says otherwise."""
+
 COVERAGES = ("edges", "locations")
 
 
@@ -141,8 +144,12 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
         files.append([run])
         if mapping is not None and mapping.visible:
             recording = f"{stem}-{number}.jsonl"
-            limits = Limits(states=arguments.states)
-            events = recording_of_run(model.network, mapping, constants_of(model.loaded), each.run, recording, limits)
+            limits = Limits(states=arguments.states or _STATES, seconds=arguments.seconds)
+            constant = constants_of(model.loaded)
+            events = recording_of_run(model.network, mapping, constant, each.run, recording, limits)
+            if events is None:
+                print(f"{folder / recording}: not written, as a limit stopped the check of the events", file=sys.stderr)
+                continue
             write_whole(folder / recording, "".join(event_rows(events, length)))
             files[-1].append(recording)
     text = pytest_file(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import StoppedError, limited
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.frontend.expressions.folded_expressions import substitute
@@ -32,16 +33,21 @@ class _ShownChannel:
 
 def recording_of_run(
     network: Network, mapping: RecordingMap, constants: Constants, run: TimedTrace, name: str, limits: Limits
-) -> EventLog:
-    """The recording of a run, which the search of `tachk conform` accepts as far as the limits let it.
+) -> EventLog | None:
+    """The recording of a run, which the search of `tachk conform` has accepted; None where a limit stops that search.
 
     Times are exact, in units of the model. Raises InternalError if that search says that it is no run.
     """
     recording = events_of_run(network, mapping, run, name)
-    found = conform(*with_location_variables(network, mapping), recording, constants, limits=limits, explain=False)
+    instrumented = with_location_variables(network, mapping)
+    try:
+        with limited(limits.seconds):
+            found = conform(*instrumented, recording, constants, limits=limits, explain=False)
+    except StoppedError:
+        return None
     if found.accepted is False:
         raise InternalError("the events of a run of the model are not accepted as one")
-    return recording
+    return recording if found.accepted else None
 
 
 def events_of_run(network: Network, mapping: RecordingMap, run: TimedTrace, name: str) -> EventLog:
