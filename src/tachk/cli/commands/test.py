@@ -10,7 +10,9 @@ import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.records import dataclass
+from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
+from tachk.cli import simulation_options as drawing
 from tachk.cli.destination import destination
 from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
@@ -41,9 +43,7 @@ if TYPE_CHECKING:
 @click.option(
     "duration", "--for", metavar="DURATION", default="10s", show_default=True, help="How long to test, such as 10min."
 )
-@click.option(
-    "--seed", metavar="N", type=int, default=0, show_default=True, help="The random choice of inputs and moments."
-)
+@drawing.seed("The random choice of inputs and moments.")
 @click.option(
     "--goal",
     type=options.Choice(TestGoal),
@@ -106,7 +106,7 @@ class TestArguments:
     simulate: str | None = None
     definitions: tuple[str, ...] = ()
     duration: str = "10s"
-    seed: int = 0
+    seed: int = DEFAULT_SEED
     pause: str | None = None
     tolerance: str | None = None
     late: str | None = None

@@ -11,6 +11,7 @@ from tachk.recordings.conformance.events import Cell
 
 READY, EVENT, TIME, UNTIL = "ready", "event", "time", "until"
 _SHOWN = 80
+_EXPONENT = 100
 
 
 def event_line(name: str, cells: Mapping[str, Cell], time: Fraction | None = None) -> str:
@@ -34,7 +35,7 @@ def read_line(line: bytes) -> tuple[str | None, Mapping[str, Cell], Fraction | N
     Raises UsageError for a line that is none of that.
     """
     try:
-        row = json.loads(line, parse_float=Fraction, parse_constant=_no_number)
+        row = json.loads(line, parse_float=_decimal, parse_constant=_no_number)
     except (ValueError, RecursionError):
         raise _rejection(line, "is not JSON") from None
     if not isinstance(row, dict):
@@ -55,6 +56,14 @@ def read_line(line: bytes) -> tuple[str | None, Mapping[str, Cell], Fraction | N
         elif cell is not None:
             raise _rejection(line, f"has a `{column}` that is neither a whole number nor a text")
     return name, cells, None if time is None else Fraction(time)
+
+
+def _decimal(text: str) -> Fraction:
+    """Raises ValueError for a number too large, or too near 0, to be a time: `1e999999999` would fill the memory."""
+    _, _, exponent = text.lower().partition("e")
+    if abs(int(exponent or 0)) > _EXPONENT:
+        raise ValueError(text)
+    return Fraction(text)
 
 
 def _no_number(constant: str) -> None:

@@ -101,6 +101,11 @@ class FollowedSystem:
     def explored(self) -> int:
         return self._estimate.explored
 
+    def is_input(self, event: RecordedEvent) -> bool:
+        """Whether it is an event that the environment sends. Raises UsageError as `observe`."""
+        placed = self._reader.place(event)
+        return placed is not None and self._observed.streams[self._streams[placed[0], placed[1]]].is_input
+
     def observe(self, event: RecordedEvent) -> bool:
         """Adds an event that was seen, an input or an output; False if it is of no visible kind.
 

@@ -180,6 +180,9 @@ class ModelledSystem:
     def close(self) -> None:
         self._run = None
 
+    def abandon(self) -> None:
+        self.close()
+
 
 def _case_of(visible: VisibleEvents, contents: Mapping[str, int | None]) -> tuple[int, ...]:
     """The values of the indices of the channel."""

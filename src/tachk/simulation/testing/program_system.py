@@ -6,6 +6,8 @@ a test of hours takes seconds, and is the same each time.
 
 from __future__ import annotations
 
+import os
+import select
 import shlex
 import subprocess
 import threading
@@ -16,11 +18,16 @@ from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
-from tachk.simulation.testing.event_lines import READY, event_line, read_line, until_line
+from tachk.simulation.testing.event_lines import EVENT, READY, event_line, read_line, until_line
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemEndedError
 
 _SECONDS_TO_START = 30.0
+_SECONDS_TO_ANSWER = 30.0
+_SECONDS_TO_READ = 2.0
 _SECONDS_TO_END = 2.0
+_SECONDS_AT_ONCE = 0.1
+_LONGEST_LINE = 1 << 20
+"""Bytes; what follows is another line."""
 
 
 def command_of(text: str) -> list[str]:
@@ -49,11 +56,15 @@ class _StreamedProgram:
         return self.process
 
     def write(self, line: str) -> None:
+        """Raises SystemEndedError, also where the pipe is full and stays so."""
         assert self.process is not None and self.process.stdin is not None
+        pipe, rest = self.process.stdin.fileno(), line.encode()
         try:
-            self.process.stdin.write(line.encode())
-            self.process.stdin.flush()
-        except (BrokenPipeError, ValueError):
+            while rest:
+                if not select.select([], [pipe], [], _SECONDS_TO_READ)[1]:
+                    raise SystemEndedError(f"{self.command[0]} does not read its inputs")
+                rest = rest[os.write(pipe, rest[: select.PIPE_BUF]) :]
+        except BrokenPipeError:
             raise self.ended() from None
 
     def ended(self) -> SystemEndedError:
@@ -65,25 +76,24 @@ class _StreamedProgram:
         how = f"with status {status}" if status >= 0 else f"by signal {-status}"
         return SystemEndedError(f"{self.command[0]} has ended {how}")
 
-    def close(self, reader: threading.Thread | None = None) -> None:
-        """Ends the process and the thread that reads from it."""
+    def end(self, seconds: float, reader: threading.Thread | None = None) -> None:
+        """Ends the process, which has so many seconds to end by itself, and the thread that reads from it."""
         process = self.process
         if process is None:
             return
+        assert process.stdin is not None and process.stdout is not None
         try:
-            if process.stdin is not None:
-                process.stdin.close()
-        except BrokenPipeError:
-            pass
-        try:
-            process.wait(_SECONDS_TO_END)
+            process.stdin.close()
+            process.wait(seconds)
         except subprocess.TimeoutExpired:
+            pass
+        finally:  # also where the user interrupts the wait
             process.kill()
             process.wait()
-        if reader is not None:
-            reader.join()
-        if process.stdout is not None:
+        if reader is None:
             process.stdout.close()
+        else:  # which closes the pipe; a process that is left behind may hold the other end for long
+            reader.join(_SECONDS_AT_ONCE)
 
     def not_ready(self) -> UsageError:
         return UsageError(
@@ -118,10 +128,11 @@ class RealTimeProgram:
 
     def _read(self, process: subprocess.Popen[bytes]) -> None:
         assert process.stdout is not None
-        for line in process.stdout:
-            with self._change:
-                self._seen.append((time.monotonic_ns(), line))
-                self._change.notify()
+        with process.stdout as stdout:
+            while line := stdout.readline(_LONGEST_LINE):
+                with self._change:
+                    self._seen.append((time.monotonic_ns(), line))
+                    self._change.notify()
         with self._change:
             self._over = True
             self._change.notify()
@@ -149,10 +160,18 @@ class RealTimeProgram:
                 self._change.wait(left / 1e9)
             moment, line = self._seen.popleft()
         name, cells, _ = read_line(line)
-        return SeenOutput(self._units(moment), name or "", cells)
+        if name is None:
+            raise UsageError(
+                f"a line of the program has no `{EVENT}`: {line.decode('utf-8', 'replace').strip()}",
+                "a program that answers with times has a clock that is driven: --adapter driven:COMMAND",
+            )
+        return SeenOutput(self._units(moment), name, cells)
 
     def close(self) -> None:
-        self._program.close(self._reader)
+        self._program.end(_SECONDS_TO_END, self._reader)
+
+    def abandon(self) -> None:
+        self._program.end(_SECONDS_AT_ONCE, self._reader)
 
 
 class DrivenProgram:
@@ -165,6 +184,7 @@ class DrivenProgram:
     def __init__(self, command: Sequence[str]) -> None:
         self._program = _StreamedProgram(command)
         self._now = Fraction(0)
+        self._read = b""
 
     def start(self) -> None:
         self._program.spawn()
@@ -175,7 +195,16 @@ class DrivenProgram:
     def _line(self) -> bytes:
         process = self._program.process
         assert process is not None and process.stdout is not None
-        return process.stdout.readline()
+        pipe = process.stdout.fileno()
+        while b"\n" not in self._read and len(self._read) < _LONGEST_LINE:
+            if not select.select([pipe], [], [], _SECONDS_TO_ANSWER)[0]:
+                raise SystemEndedError(f"{self._program.command[0]} has not answered for {_SECONDS_TO_ANSWER:g} seconds")
+            block = os.read(pipe, 1 << 16)
+            if not block:
+                break
+            self._read += block
+        line, end, self._read = self._read.partition(b"\n")
+        return line + end
 
     def time(self) -> Fraction:
         return self._now
@@ -200,4 +229,7 @@ class DrivenProgram:
         return None if name is None else SeenOutput(moment, name, cells)
 
     def close(self) -> None:
-        self._program.close()
+        self._program.end(_SECONDS_TO_END)
+
+    def abandon(self) -> None:
+        self._program.end(_SECONDS_AT_ONCE)

@@ -45,4 +45,7 @@ class SystemAdapter(Protocol):
         SystemEndedError, UsageError for what is no event."""
 
     def close(self) -> None:
-        """Ends the system."""
+        """Ends the system after a test."""
+
+    def abandon(self) -> None:
+        """Ends the system at once, where there is no result."""

@@ -69,7 +69,7 @@ def run_test_of_model(
         request.seed,
         tolerance,
         tolerance if late is None else late,
-        None if request.pause is None else int(duration(request.pause, unit)),
+        None if request.pause is None else _pause(request.pause, unit),
         limits,
     )
     tested = TestedModel.of(network, mapping, constants_of(loaded))
@@ -85,6 +85,15 @@ def run_test_of_model(
         return result, None
     shortening = shorten(tested, open_system, run, result, request.shorten)
     return shortening.result, shortening
+
+
+def _pause(text: str, unit: str) -> int:
+    pause = int(duration(text, unit))
+    if pause < 1:
+        raise UsageError(
+            f"a pause of `{text}` is shorter than a unit of the model", "write a longer one: time has to pass"
+        )
+    return pause
 
 
 def _system_of(loaded: LoadedModel, seed: int) -> SystemAdapter:

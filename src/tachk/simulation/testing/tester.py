@@ -26,7 +26,7 @@ from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, Follow
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
-from tachk.simulation.testing.system_adapter import SystemAdapter, SystemEndedError
+from tachk.simulation.testing.system_adapter import SeenOutput, SystemAdapter, SystemEndedError
 
 _AT_ONCE = 1_000
 """The largest number of outputs at the same time."""
@@ -155,8 +155,10 @@ def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, ch
     test = _TestUnderWay(model, system, settings, choice)
     try:
         test.run()
-    finally:
-        system.close()
+    except BaseException:
+        system.abandon()
+        raise
+    system.close()
     return test.outcome()
 
 
@@ -264,9 +266,14 @@ class _TestUnderWay:
             if seen is None:
                 return first is not None
             self.known = max(self.known, seen.time)
-            self._note(seen.time, seen.name, seen.cells)
+            self._note_output(seen)
             seen = self.system.next_output(self.known)
         raise SystemEndedError(f"the system sends {_AT_ONCE} outputs at the same time")
+
+    def _note_output(self, seen: SeenOutput) -> None:
+        if self.followed.is_input(RecordedEvent(seen.time, seen.name, seen.cells, f"event {len(self.events) + 1}")):
+            raise SystemEndedError(f"the system sends `{seen.name}`, which is an input of it in the model")
+        self._note(seen.time, seen.name, seen.cells)
 
     def _note(self, time: Fraction, name: str, cells: Mapping[str, Cell]) -> RecordedEvent:
         event = RecordedEvent(time, name, cells, f"event {len(self.events) + 1}")
