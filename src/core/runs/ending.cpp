@@ -12,6 +12,7 @@ std::optional<RunEnd> end_of(const program::Program& program, const RunPath& pat
   stands[0] = true;
   ConcreteSemantics semantics(program);
   certificates::Zone zone = certificates::Zone::filled(dimension, zones::raw_zero);
+  for (const zones::ClockReset& start : program.starts) zone.reset(start);
   std::vector<zones::Atom> invariant;
   std::vector<zones::Atom> guard;
   std::vector<zones::ClockReset> resets;

@@ -180,7 +180,7 @@ def _end(model: PreparedNetwork, path: Sequence[Transition]) -> tuple[DiscreteSt
     """The state in which a run ends, and the clock valuations with which it does; of a guard with several parts the
     first that is possible counts."""
     states, phases = discrete_run(model, path)
-    zone: Zone | None = dbm.origin(model.dimension)
+    zone: Zone | None = dbm.point(model.layout.starts)
     for number, state in enumerate(states):
         invariant = symbolic.invariant_zone(model, state)
         assert zone is not None and invariant is not None
