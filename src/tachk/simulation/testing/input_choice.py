@@ -67,7 +67,7 @@ class RandomInputs:
             for event in allowed.events
             if event.is_input and (windows := list(_moments(event, now, last, self._tolerance, self._late)))
         ]
-        if not inputs or self._random.random() < _WAITS:
+        if not inputs or (self._random.random() < _WAITS and not _must_act(allowed)):
             return None
         event, windows = self._random.choice(inputs)
         low, high = self._random.choice(windows)
@@ -98,9 +98,11 @@ class GuidedInputs:
             lead = None
             with suppress(EstimateLimitError):
                 lead = system.lead(covered)
-            if lead is not None:
-                return self._towards(lead, allowed, now)
-            self._left = -_REST
+            planned = None if lead is None else self._towards(lead, allowed, now)
+            if planned is not None or (lead is not None and not _must_act(allowed)):
+                return planned
+            if lead is None:
+                self._left = -_REST
         return self._others.next_input(system, allowed, now)
 
     def _towards(self, lead: AllowedEvent, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
@@ -141,6 +143,12 @@ class ScriptedInputs:
 
     def is_sent(self) -> None:
         self._sent += 1
+
+
+def _must_act(allowed: AllowedNext) -> bool:
+    """Whether the environment may have to end the silence, since nothing else can."""
+    ends = {event.is_input for event in allowed.events if event.windows[-1][1] >= allowed.silent_until}
+    return allowed.bounded and ends == {True}
 
 
 def _moment(random: Random, low: Fraction, high: Fraction, boundaries: Sequence[int]) -> Fraction:

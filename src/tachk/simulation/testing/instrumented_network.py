@@ -38,6 +38,7 @@ from tachk.recordings.conformance.event_streams import (
     element,
     is_output,
 )
+from tachk.simulation.testing.event_checks import check_visible
 from tachk.simulation.testing.event_columns import (
     channel_indices,
     index_cases,
@@ -91,6 +92,8 @@ def instrumented_network(network: Network, mapping: RecordingMap) -> Instrumente
     """
     if network.has_priorities:
         raise UsageError("a model with priorities cannot test a system", "leave out the priorities")
+    for visible in mapping.visible:
+        check_visible(network, mapping, visible)
     builder = NetworkBuilder("observed.", VariableKind.GLOBAL)
     clock = builder.clock("now")
     present = _present(clock)

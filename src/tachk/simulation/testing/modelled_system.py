@@ -255,7 +255,9 @@ class _Outside:
             for column, expression in visible.columns
             if column in variables
         ]
-        self._add_edge(visible, case, Direction.SEND, _never(), [*updates, _again()])
+        # A variable that no edge writes counts as a constant.
+        cleared = [variable.assign(0).expression for variable in variables.values()]
+        self._add_edge(visible, case, Direction.SEND, _never(), [*updates, *cleared, _again()])
 
     def _add_edge(
         self,

@@ -60,6 +60,11 @@ def run_test_of_model(
             f"the recording of {name} replaces no process, so nothing of the model is the environment",
             "write `replaces` with the processes that a test stands for",
         )
+    if len(mapping.replaced) == len(loaded.network.processes):
+        raise UsageError(
+            f"the recording of {name} replaces every process, so nothing of the model is the system",
+            "leave out of `replaces` what is tested",
+        )
     network, mapping = with_location_variables(loaded.network, mapping)
     unit = network.time_unit
     tolerance = mapping.tolerance if request.tolerance is None else duration(request.tolerance, unit)
