@@ -109,11 +109,6 @@ def point(values: Sequence[int]) -> Zone:
     return Zone(len(clocks), tuple(raw_bound(x - y, strict=False) for x in clocks for y in clocks))
 
 
-def origin(dimension: int) -> Zone:
-    """The zone where every clock is 0."""
-    return Zone(dimension, (LESS_EQUAL_ZERO,) * (dimension * dimension))
-
-
 def universe(dimension: int) -> Zone:
     """The zone of all non-negative valuations."""
     return Zone(

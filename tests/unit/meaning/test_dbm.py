@@ -197,7 +197,7 @@ def test_extrapolation_is_finite(zone: Zone, maximum: tuple[int, ...]) -> None:
 
 
 def test_time_leaves_stopped_clocks_alone() -> None:
-    zone = dbm.reset(dbm.origin(3), 2, 3)
+    zone = dbm.reset(dbm.point((0, 0)), 2, 3)
     later = dbm.up(zone, frozenset({2}))
     assert dbm.contains(later, (Fraction(7), Fraction(3)))
     assert not dbm.contains(later, (Fraction(7), Fraction(4)))

@@ -81,7 +81,7 @@ def test_the_graph_has_what_the_engine_reaches(seed: int) -> None:
 @pytest.mark.parametrize("seed", seeds(range(40)))
 def test_few_constraints_say_the_whole_zone(seed: int) -> None:
     random = Random(seed)
-    zone: Zone | None = dbm.up(dbm.origin(4))
+    zone: Zone | None = dbm.up(dbm.point((0, 0, 0)))
     for _ in range(4):
         assert zone is not None
         i, j = random.sample(range(4), 2)

@@ -15,7 +15,7 @@ from tests.support.seeds import seeds
 
 @pytest.mark.parametrize("seed", seeds(range(60)))
 def test_setting_clocks_to_clocks(seed: int) -> None:
-    random, zone = Random(seed), dbm.up(dbm.origin(4))
+    random, zone = Random(seed), dbm.up(dbm.point((0, 0, 0)))
     for _ in range(3):
         zone = dbm.up(dbm.assign(zone, ((random.randint(1, 3), random.randint(0, 3), random.randint(0, 3)),)))
         constraint = (random.randint(1, 3), 0, raw_bound(random.randint(3, 9), random.random() < 0.5))

@@ -56,7 +56,7 @@ def test_process_that_a_program_leaves_behind_is_not_waited_for(tmp_path: Path) 
     os.kill(int(number.read_text()), signal.SIGKILL)
 
 
-def test_line_without_end_is_refused(tmp_path: Path) -> None:
+def test_line_without_end_is_rejected(tmp_path: Path) -> None:
     endless = READY + "import sys\nwhile True: sys.stdout.write('x' * 65536)"
     system = RealTimeProgram(written(tmp_path, endless), MILLISECONDS)
     system.start()
@@ -65,7 +65,7 @@ def test_line_without_end_is_refused(tmp_path: Path) -> None:
     system.abandon()
 
 
-def test_line_without_event_is_refused(tmp_path: Path) -> None:
+def test_line_without_event_is_rejected(tmp_path: Path) -> None:
     line = READY + "print('{\"time\": 3}', flush=True)\ninput()"
     with pytest.raises(UsageError, match="has no `event`"):
         outcome_of(f"process:{' '.join(written(tmp_path, line))}")
@@ -80,12 +80,12 @@ def test_program_that_sends_inputs_is_inconclusive(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", ["1e999999999", "1e-999999999", "1E" + "9" * 5000])
-def test_huge_exponents_are_refused(number: str) -> None:
+def test_huge_exponents_are_rejected(number: str) -> None:
     with pytest.raises(UsageError, match="is not JSON"):
         read_line(f'{{"time": {number}, "event": "light"}}'.encode())
 
 
 @pytest.mark.parametrize("pause", ["0", "0.3ms"])
-def test_pause_without_time_is_refused(pause: str) -> None:
+def test_pause_without_time_is_rejected(pause: str) -> None:
     with pytest.raises(UsageError, match="shorter than a unit"):
         outcome_of(f"driven:{program(DRIVEN, 4)}", pause=pause)
