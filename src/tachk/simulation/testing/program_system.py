@@ -198,7 +198,7 @@ class DrivenProgram:
         pipe = process.stdout.fileno()
         while b"\n" not in self._read and len(self._read) < _LONGEST_LINE:
             if not select.select([pipe], [], [], _SECONDS_TO_ANSWER)[0]:
-                raise SystemEndedError(f"{self._program.command[0]} has not answered for {_SECONDS_TO_ANSWER:g} seconds")
+                raise SystemEndedError(f"{self._program.command[0]} gives no answer for {_SECONDS_TO_ANSWER:g} s")
             block = os.read(pipe, 1 << 16)
             if not block:
                 break

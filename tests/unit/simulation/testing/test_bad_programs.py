@@ -41,7 +41,7 @@ def test_driven_program_that_does_not_answer_is_inconclusive(tmp_path: Path, mon
     system = DrivenProgram(written(tmp_path, READY + "import time\ntime.sleep(1000)"))
     system.start()
     monkeypatch.setattr(program_system, "_SECONDS_TO_ANSWER", 0.05)
-    with pytest.raises(SystemEndedError, match=r"has not answered for 0\.05 seconds"):
+    with pytest.raises(SystemEndedError, match=r"gives no answer for 0\.05 s"):
         system.next_output(Fraction(1))
     system.abandon()
 
