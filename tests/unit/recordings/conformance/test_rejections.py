@@ -63,6 +63,7 @@ def test_what_is_not_understood_is_reported(tmp_path: Path) -> None:
     assert found.refusal is not None and not found.refusal.enabled_complete
     assert "there may be other events that the model allows" in conformance_to_text(found, "listeners.ta")
 
+
 RESTED = """
 const int REST = 500;
 broadcast chan goes, comes;

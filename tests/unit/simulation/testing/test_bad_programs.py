@@ -73,7 +73,7 @@ def test_line_without_event_is_rejected(tmp_path: Path) -> None:
 
 def test_program_that_sends_inputs_is_inconclusive(tmp_path: Path) -> None:
     """They would count as inputs of the test otherwise."""
-    line = READY + "print('{\"event\": \"press\"}', flush=True)\ninput()"
+    line = READY + 'print(\'{"event": "press"}\', flush=True)\ninput()'
     result = outcome_of(f"process:{' '.join(written(tmp_path, line))}")
     assert result.verdict is TestVerdict.INCONCLUSIVE
     assert "sends `press`, which is an input" in result.reason
