@@ -107,7 +107,7 @@ class FollowedSystem:
         return placed is not None and self._observed.streams[self._streams[placed[0], placed[1]]].is_input
 
     def observe(self, event: RecordedEvent) -> bool:
-        """Adds an event that was seen, an input or an output; False if it is of no visible kind.
+        """Adds an event that was seen, or may have happened, an input or an output; False if it is of no visible kind.
 
         Raises UsageError for one that no `visible` of the model allows.
         """
@@ -119,7 +119,7 @@ class FollowedSystem:
         is_input = self._observed.streams[stream].is_input
         before, behind = (self._tolerance, self._late) if is_input else (self._late, self._tolerance)
         window = (floor(event.time - before) - self.moment, ceil(event.time + behind) - self.moment)
-        self._estimate.observe(stream, values, window)
+        self._estimate.observe(stream, values, window, event.optional)
         return True
 
     def advance(self, time: Fraction) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 from random import Random
 
 import pytest
@@ -85,6 +87,33 @@ def test_following_agrees_with_a_second_definition(seed: int) -> None:
         expected = is_run(machines, events, end, tolerance, late, hidden=False)
         system = followed(model, tolerance, late)
         assert goes_along(random, system, events, end) is expected, f"seed {seed}, case {case}"
+
+
+@pytest.mark.parametrize("seed", seeds(range(4)))
+def test_events_that_may_have_happened(seed: int) -> None:
+    """A recording with them is a run if one with some of them is, by the second definition."""
+    random = Random(seed)
+    machines = (random_machine(random),)
+    while not any(edge.label == "out" for edge in machines[0].edges):
+        machines = (random_machine(random),)
+    model = tachk.loads(with_anyone(text_of(machines, hidden=False), 1))
+    for case in range(6):
+        events, end = random_run(random, machines, 8, hidden=False)
+        if case % 2:
+            events = mutated(random, events, end)
+        tolerance, late = random.randrange(2), random.randrange(2)
+        uncertain = random.sample(range(len(events)), min(len(events), 4))
+        expected = any(
+            is_run(machines, [e for n, e in enumerate(events) if n not in left_out], end, tolerance, late, hidden=False)
+            for size in range(len(uncertain) + 1)
+            for left_out in combinations(uncertain, size)
+        )
+        system = followed(model, tolerance, late)
+        for number, event in enumerate(events):
+            system.observe(replace(recorded(event), optional=number in uncertain))
+            system.advance(Fraction(event.time))
+        found = system.is_as_modelled and system.ends_as_modelled(Fraction(end))
+        assert found is expected, f"seed {seed}, case {case}"
 
 
 @pytest.mark.parametrize("seed", seeds(range(4)))
