@@ -23,7 +23,7 @@ from tachk.meaning.dbm import (
     constrain_all,
     extrapolate_max,
     includes,
-    origin,
+    point,
     raw_bound,
     reset,
     up,
@@ -198,7 +198,7 @@ class MuntaInterpretation:
         for i, j, raw in (c for conjunction in (*edges, *invariants) for c in conjunction):
             limits[i or j] = max(limits[i or j], abs(raw >> 1))
         found: dict[State, list[Zone]] = {}
-        waiting = [(self.initial, origin(dimension))]
+        waiting = [(self.initial, point((0,) * (dimension - 1)))]
         while waiting:
             state, zone = waiting.pop()
             if self.holds(state):
@@ -229,7 +229,7 @@ class MuntaInterpretation:
             return any(includes(one, zone) for one in held.get(state, ()))
 
         return (
-            has(self.initial, origin(dimension))
+            has(self.initial, point((0,) * (dimension - 1)))
             and not any(self.holds(state) for state in held)
             and all(
                 has(*successor)

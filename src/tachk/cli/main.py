@@ -25,13 +25,16 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 SECTIONS = {
-    "Write models": {
+    "Write and run models": {
         "check": "Report every mistake in models.",
         "fmt": "Rewrite models in canonical form.",
         "draw": "Draw the templates of a model.",
         "convert": "Write a model in another format: for UPPAAL, FMI, ...",
         "diff": "Show how the behaviour of two models differs.",
         "models": "List the models that come with tachk, or copy one.",
+        "simulate": "Simulate random runs of a model.",
+        "step": "Walk through a model, step by step.",
+        "replay": "Execute a recorded run on a model, and check formulas on it.",
     },
     "Ask questions": {
         "verify": "Check the properties of models, or the given queries.",
@@ -41,11 +44,6 @@ SECTIONS = {
         "synthesize": "Find the values of constants for which a property holds.",
         "certify": "Check proofs that `verify --certificate` has written.",
         "requirements": "Find requirements that contradict each other.",
-    },
-    "Run models": {
-        "simulate": "Simulate random runs of a model.",
-        "step": "Walk through a model, step by step.",
-        "replay": "Execute a recorded run on a model, and check formulas on it.",
     },
     "Check logs of the real system": {
         "monitor": "Check properties on a recorded trace, or while it is recorded.",

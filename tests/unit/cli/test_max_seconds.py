@@ -76,11 +76,14 @@ COMMAND_LINES = (
     "explain m.ta",
     "certify m.ta m.cert",
     "conform r.ta r.csv",
+    "test r.ta --simulate r.ta",
     "xrce decode m.pcap",
     "xrce measure m.pcap",
     "chart m.pcap -o out.svg",
 )
 
+COVERING = "tests m.ta -o suite"
+"""Says of each edge that it is not known whether it can be taken."""
 ASKING_MUCH = "requirements r.stl"
 """Has a time for each question, and tells of each what is not known."""
 
@@ -118,7 +121,7 @@ def test_a_command_that_reads_files_has_the_option(name: str) -> None:
     command = load_command(name)
     assert isinstance(command, click.Command)
     assert "--max-seconds" in [option for parameter in command.params for option in parameter.opts]
-    assert any(f"{line} ".startswith(f"{name} ") for line in (*COMMAND_LINES, ASKING_MUCH))
+    assert any(f"{line} ".startswith(f"{name} ") for line in (*COMMAND_LINES, ASKING_MUCH, COVERING))
 
 
 @pytest.mark.parametrize("line", COMMAND_LINES)
@@ -135,6 +138,7 @@ def test_without_time_there_is_one_message_and_one_status(
 def test_questions_without_time_have_no_answer(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(f"{ASKING_MUCH} --max-seconds 0") == 20
     assert "can be satisfied is not known: time limit" in capsys.readouterr().out
+    assert run(f"{COVERING} --max-seconds 0") == 20
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def test_the_help_fits_one_screen_and_lists_every_command() -> None:
     assert len(told.splitlines()) <= 40
     listed = {
         line.split()[0]
-        for line in told[told.index("Write models") :].splitlines()
+        for line in told[told.index("Write and run models") :].splitlines()
         if line.startswith("  ") and line[2:3].islower()
     }
     assert listed == {*(name.split()[0] for name in COMMANDS)} - {*HIDDEN}

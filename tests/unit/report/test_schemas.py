@@ -63,7 +63,9 @@ process Bell() { init location off { to ringing { sync on!; } } location ringing
 system Caller, Bell;
 recording { visible call as call(); visible on as on(); tolerance 1; }
 """
+RING = BELL.replace("visible call", "replaces Caller; visible call").replace("sync on!", "sync call?")
 FILES = {
+    "ring.ta": RING.replace("visible on as on();", ""),
     "bell.ta": BELL,
     "calls.csv": "time,event\\n12,call\\n30,on\\n",
     "early.csv": "time,event\\n2,call\\n30,on\\n",
@@ -102,6 +104,8 @@ COMMANDS = (
     ("requirements", "requirements r.stl --format json"),
     ("decode", f"xrce decode {shlex.quote(str(CAPTURE))} --port 19701 --format jsonl"),
     ("measure", f"xrce measure {shlex.quote(str(CAPTURE))} --port 19701 --format json"),
+    ("test", "test ring.ta --simulate ring.ta --for 30 --format json"),
+    ("tests", "tests bell.ta -o suite --format json"),
     ("conform", "conform bell.ta calls.csv early.csv --coverage --format json"),
     ("network", "convert lamp.ta --format json"),
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.base.job import limited
 from tachk.base.records import dataclass
 from tachk.base.seeds import DEFAULT_SEED
 from tachk.cli import options
@@ -81,8 +82,9 @@ if TYPE_CHECKING:
 )
 @click.option("--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI.")
 @options.max_states()
+@options.max_seconds()
 @options.report("text", "json")
-def command(**given: Any) -> None:
+def command(seconds: float | None, **given: Any) -> None:
     """Test a running system by a model.
 
     The processes that the recording of the model replaces are the environment: the test does what they may do. All
@@ -92,7 +94,7 @@ def command(**given: Any) -> None:
     """
 
     arguments, reporting = distributed(given, TestArguments, Reporting)
-    options.finish(lambda: run_test_command(arguments, reporting))
+    options.finish(lambda: run_test_command(arguments, reporting, seconds), seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +119,7 @@ class TestArguments:
     states: int | None = None
 
 
-def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStatus:
+def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Tests a system, and reports."""
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions
@@ -138,7 +140,9 @@ def run_test_command(arguments: TestArguments, reporting: Reporting) -> ExitStat
         arguments.shorten,
         arguments.goal,
     )
-    result, shortening = run_test_of_model(model.loaded, model.path, request, Limits(states=arguments.states))
+    with limited(seconds):
+        limits = Limits(states=arguments.states)
+        result, shortening = run_test_of_model(model.loaded, model.path, request, limits)
     unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
     if arguments.record is not None:
         arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")

@@ -14,6 +14,7 @@ from fractions import Fraction
 from math import ceil
 
 from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.job import check_job
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.state_estimate import EstimateLimitError
@@ -232,6 +233,7 @@ class _TestUnderWay:
 
     def _step(self) -> bool:
         """Waits for an output, or sends an input. False when the test is over."""
+        check_job()
         self.followed.advance(self.known)
         self.is_as_modelled = self.followed.is_as_modelled
         if not self.is_as_modelled or self.known >= self.settings.duration:
