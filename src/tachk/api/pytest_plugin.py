@@ -33,7 +33,7 @@ _PLACES = pytest.StashKey[tuple[Path, ...]]()
 _FOUND = pytest.StashKey[set[Path]]()
 """The models that were collected."""
 _WHOLE_FILES = "tachk_whole_files"
-"""What a process of pytest-xdist is told: it gets all tests of a model."""
+"""The entry of `workerinput` by which a worker of pytest-xdist knows that it gets all tests of a model."""
 
 
 class ModelWarning(UserWarning):

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     "--simulate",
     metavar="MODEL",
     type=click.Path(),
-    help="Let this model stand for the system, in simulated time: a changed copy of the model, or the model itself.",
+    help="Test the processes of this model in place of a program, in simulated time: a changed copy of MODEL, or MODEL "
+    "itself.",
 )
 @click.option(
     "duration", "--for", metavar="DURATION", default="10s", show_default=True, help="How long to test, such as 10min."

@@ -10,7 +10,7 @@ units of the model.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import accumulate, product
 from math import floor, lcm
@@ -25,7 +25,7 @@ from tachk.model.expressions import Constant, Expression, Index, Reference, Vari
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, IntType, ScalarType
-from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
+from tachk.recordings.conformance.events import Cell, Closing, EventLog, RecordedEvent
 
 _SHOWN = 30
 """Messages show at most so many characters of a cell."""
@@ -284,6 +284,13 @@ def is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
         for process in modelled
         for edge in process.edges
     )
+
+
+def with_words(visible: VisibleEvents, cells: Iterable[tuple[str, int]]) -> Iterator[tuple[str, Cell]]:
+    """The cells of an event, with names of locations in place of the values that stand for them."""
+    for column, value in cells:
+        words = {number: word for word, number in visible.words.get(column, {}).items()}
+        yield column, words.get(value, value)
 
 
 def channel_variable(channel: Expression) -> Variable:

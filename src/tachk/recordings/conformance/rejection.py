@@ -23,7 +23,7 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.run import DiscreteState, Transition
 from tachk.model.types import slot_count
-from tachk.recordings.conformance.event_streams import EventStreams, around
+from tachk.recordings.conformance.event_streams import EventStreams, around, with_words
 from tachk.recordings.conformance.events import Cell
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
@@ -210,8 +210,7 @@ def _start(model: PreparedNetwork, product: TraceProduct, happened: Sequence[int
 
 def _possible(visible: VisibleEvents, cells: Iterable[tuple[str, int]], low: int, raw: int) -> PossibleEvent:
     """The event with locations by their names, and its latest time from a raw bound."""
-    names = {column: {value: word for word, value in words.items()} for column, words in visible.words.items()}
-    said = tuple((column, names[column][value] if column in names else value) for column, value in cells)
+    said = tuple(with_words(visible, cells))
     return PossibleEvent(visible.event, said, low, None if raw == INFINITY else dbm.bound_value(raw))
 
 

@@ -242,10 +242,10 @@ def with_channels(process: Process, others: Mapping[Variable, Variable]) -> Proc
     """The process with other variables for some channels, which may be of another kind."""
     if not others:
         return process
-    return replace(process, edges=tuple(_edgewith_channels(edge, others) for edge in process.edges))
+    return replace(process, edges=tuple(_edge_with_channels(edge, others) for edge in process.edges))
 
 
-def _edgewith_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge:
+def _edge_with_channels(edge: Edge, others: Mapping[Variable, Variable]) -> Edge:
     sync = edge.synchronisation
     if sync is None or channel_variable(sync.channel) not in others:
         return edge

@@ -10,7 +10,7 @@ from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.state_estimate import StateEstimate, Window
 from tachk.model.recording import RecordingMap
-from tachk.recordings.conformance.event_streams import Constants, EventStreamReader
+from tachk.recordings.conformance.event_streams import Constants, EventStreamReader, with_words
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.instrumented_network import LONGEST, InstrumentedNetwork, ObservedStream
 
@@ -183,13 +183,8 @@ class FollowedSystem:
         return window[0] + self.moment, window[1] + self.moment
 
     def _cells(self, stream: ObservedStream, values: tuple[int, ...]) -> dict[str, Cell]:
-        """The cells of an event, with words for locations."""
-        words = stream.visible.words
-        cells: dict[str, Cell] = {}
-        for (name, _), value in zip(stream.visible.columns, values, strict=True):
-            named = {number: word for word, number in words.get(name, {}).items()}
-            cells[name] = named.get(value, value)
-        return cells
+        names = (name for name, _ in stream.visible.columns)
+        return dict(with_words(stream.visible, zip(names, values, strict=True)))
 
 
 def _key(mapping: RecordingMap, stream: ObservedStream) -> tuple[int, tuple[int | None, ...]]:

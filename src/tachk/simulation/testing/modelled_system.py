@@ -36,6 +36,7 @@ from tachk.recordings.conformance.event_streams import (
     channel_variable,
     element,
     is_output,
+    with_words,
 )
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.recordings.conformance.trace_product import with_channels
@@ -170,12 +171,8 @@ class ModelledSystem:
 
     @staticmethod
     def _cells(output: _OutputEdge, noted: Mapping[str, int]) -> dict[str, Cell]:
-        cells: dict[str, Cell] = {}
-        for column, _ in output.visible.columns:
-            value = output.fixed[column] if column in output.fixed else noted[column]
-            words = {number: word for word, number in output.visible.words.get(column, {}).items()}
-            cells[column] = words.get(value, value)
-        return cells
+        values = {**output.fixed, **noted}
+        return dict(with_words(output.visible, ((column, values[column]) for column, _ in output.visible.columns)))
 
     def close(self) -> None:
         self._run = None
@@ -205,7 +202,7 @@ Inputs = Mapping[tuple[int, tuple[int, ...]], _InputEdge]
 
 
 class _Outside:
-    """The process that stands for all that is replaced: it receives what the system sends, and sends what it receives.
+    """The process in place of the environment: it receives the outputs of the system, and sends its inputs.
 
     Attributes:
         edges: of the process, which has one location.
@@ -326,7 +323,7 @@ def _stub(process: Process) -> Process:
 
 
 def _never() -> Expression:
-    """A guard that no compiler takes for false: the simulator takes these edges when it is told to."""
+    """A guard that is false, which the compiler cannot know: only the adapter takes these edges."""
     return Binary(BinaryOperator.EQUAL, Reference(_ACTS), Constant(1), BOOL)
 
 
