@@ -28,6 +28,7 @@ from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.samples import topic_of
+from tachk.xrce.streams import nearest_number
 from tachk.xrce.transmissions import Transmission, read_transmissions
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
@@ -91,6 +92,33 @@ class _Content:
     detail: int | None
 
 
+class _Counter(NamedTuple):
+    """Attributes:
+    of_client: the client counts, and not the Agent.
+    kind: of the messages that show the count.
+    """
+
+    of_client: bool
+    kind: str
+
+
+class _StreamCounts:
+    """Numbers of messages of one client and its Agent: they go on where those of packets, of 16 bits, go round."""
+
+    def __init__(self) -> None:
+        self._last: dict[_Counter, int] = {}
+
+    def number(self, counter: _Counter, number: int) -> int:
+        """The number that a packet means, and the last one of its counter from now on."""
+        found = nearest_number(number, self._last.get(counter, 0))
+        self._last[counter] = found
+        return found
+
+    def create(self) -> None:
+        """A session begins at the Agent, which counts from 0 again; the client goes on, if it is one more."""
+        self._last = {counter: number for counter, number in self._last.items() if counter.of_client}
+
+
 class _EventRow(NamedTuple):
     """An event before it is known how many come before it: `after` is the number of a row."""
 
@@ -140,6 +168,7 @@ class _CaptureEventReader:
         self.objects = Objects()
         self.rows: list[_EventRow] = []
         self.written = [0] * links
+        self.counts = [_StreamCounts() for _ in range(links)]
         self.deleted: list[int | None] = [None] * links
         self.created = [0] * links
 
@@ -174,6 +203,8 @@ class _CaptureEventReader:
         # The leg of a client and that of the Agent: one and the same if there is no relay.
         here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
         if SubmessageKind.CREATE_CLIENT in kinds:
+            if one.arrivals != ():
+                self.counts[one.link].create()
             for arrival in one.arrivals or ():
                 self.created[one.link] += 1
                 if self.created[one.link] > 1:
@@ -217,18 +248,23 @@ class _CaptureEventReader:
 
     def _contents(self, one: Transmission) -> Iterator[_Content]:
         """The content of a message for the automata: entries of a stream, ACKNACK, HEARTBEAT, a request."""
-        first = one.events[0]
+        first, counts = one.events[0], self.counts[one.link]
         if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
-            yield _Content("DATA" if first.is_reliable else BEST_EFFORT, first.sequence, self._payload(one))
+            kind = "DATA" if first.is_reliable else BEST_EFFORT
+            number = counts.number(_Counter(one.to_agent, kind), first.sequence)
+            yield _Content(kind, number, self._payload(one, number))
             return
         for event in one.events:
             fields = event.fields
             if event.kind is SubmessageKind.HEARTBEAT:
-                yield _Content("HEARTBEAT", _integer(fields["first"]), _integer(fields["last"]) + 1)
+                own = _Counter(one.to_agent, "DATA")
+                last = counts.number(own, _integer(fields["last"]))
+                yield _Content("HEARTBEAT", counts.number(own, _integer(fields["first"])), last + 1)
             elif event.kind is SubmessageKind.ACKNACK:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
-                yield _Content("ACKNACK", start, sum(1 << (number - start) % 65536 for number in missing))
+                bitmap = sum(1 << (number - start) % 65536 for number in missing)
+                yield _Content("ACKNACK", counts.number(_Counter(one.to_agent, "ACKNACK"), start), bitmap)
             elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSION_IDS_NONE:
                 yield _Content("PING", 0, 0)
 
@@ -241,9 +277,9 @@ class _CaptureEventReader:
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
 
-    def _payload(self, one: Transmission) -> int | None:
+    def _payload(self, one: Transmission, number: int) -> int | None:
         try:
-            return self.contents.detail(one)
+            return self.contents.detail(one, number)
         except UnknownContentError as error:
             self._reject(one, str(error))
             raise

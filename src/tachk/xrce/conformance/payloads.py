@@ -14,7 +14,7 @@ from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 BEST_EFFORT = "BEST_EFFORT"
 """The kind of a message of a best-effort stream."""
-_STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 65536
+_STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 1 << 23
 _UNLIMITED = 65535
 _SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
@@ -38,9 +38,12 @@ class MessageContents:
         self._samples: dict[str, int] = {}
         self._pieces: dict[tuple[int, bool], dict[int, tuple[str, bool]]] = {}
 
-    def detail(self, one: Transmission) -> int | None:
-        """The payload of a message of a stream; None where it is unknown. Raises UnknownContentError."""
-        found = self._whole(one)
+    def detail(self, one: Transmission, number: int) -> int | None:
+        """The payload of the message of a stream that has this number, counted without a wrap.
+
+        None where it is unknown. Raises UnknownContentError.
+        """
+        found = self._whole(one, number)
         if found is None:
             return None
         if not found:
@@ -72,12 +75,11 @@ class MessageContents:
             raise UnknownContentError("message carries several samples, of which some had been written before")
         return numbers[0] + _BATCH * (len(numbers) - 1)
 
-    def _whole(self, one: Transmission) -> Sequence[SubmessageEvent] | None:
+    def _whole(self, one: Transmission, number: int) -> Sequence[SubmessageEvent] | None:
         """The submessages that are complete with this message; None where earlier pieces were not captured."""
         whole = [event for event in one.events if event.kind is not SubmessageKind.FRAGMENT]
-        number = one.events[0].sequence
         for event in one.events:
-            if event.kind is SubmessageKind.FRAGMENT and number is not None:
+            if event.kind is SubmessageKind.FRAGMENT:
                 pieces = self._pieces.setdefault((one.link, one.to_agent), {})
                 pieces[number] = str(event.fields["piece"]), bool(event.fields["last"])
                 if event.fields["last"]:
@@ -120,10 +122,10 @@ def begins_sample(event: SubmessageEvent) -> bool:
 def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[SubmessageEvent] | None:
     """The submessage that ends with a piece."""
     text = pieces[last][0]
-    number = (last - 1) % 65536
+    number = last - 1
     while number in pieces and not pieces[number][1]:
         text = pieces[number][0] + text
-        number = (number - 1) % 65536
+        number -= 1
     octets = bytes.fromhex(text)
     if len(octets) < 4 or int.from_bytes(octets[2:4], "little") != len(octets) - 4:
         return None

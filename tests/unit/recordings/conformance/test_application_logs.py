@@ -130,11 +130,11 @@ def test_on_the_command_line(tmp_path: Path, said: str, status: int) -> None:
 
 def test_one_row_stands_for_one_sample_of_a_message_with_several() -> None:
     """A call between the rows of its first two samples is not a call behind the message."""
-    several = recording(event(20, "written", client=0, detail=2 * 65536), event(30, "written", client=0, detail=3))
+    several = recording(event(20, "written", client=0, detail=2 * 2**23), event(30, "written", client=0, detail=3))
     rows = [event(time, "written", client=0) for time in (11, 13, 15)]
     calls = [event(time, "told", client=0, what="CALLED") for time in (12, 16, 32)]
     last = event(31, "written", client=0)
     found = with_log(several, log(*sorted([*rows, *calls, last], key=lambda each: each.time)))
     told = [each for each in found.events if each.name == "told"]
     after = [None if each.after is None else found.events[each.after].cells["detail"] for each in told]
-    assert after == [None, 2 * 65536, 3]
+    assert after == [None, 2 * 2**23, 3]

@@ -235,9 +235,9 @@ def test_pieces_are_put_together() -> None:
 
 def test_several_samples_in_one_message() -> None:
     """The application writes three before it runs the session, and 10 % are lost."""
-    assert in_noise("later/batches_losses", 5, 5, HISTORY=8, INPUT_HISTORY=8, LARGEST_WORD=2**20 - 1) is True
+    assert in_noise("later/batches_losses", 5, 5, HISTORY=8, INPUT_HISTORY=8, LARGEST_WORD=2**27 - 1) is True
     written = [e.cells["detail"] for e in read_capture(CAPTURES / "batches_losses.pcap").events if e.name == "written"]
-    assert [detail for detail in written if int(str(detail)) >= 0] == [2 * 65536 + 3 * n for n in range(8)]
+    assert [detail for detail in written if int(str(detail)) >= 0] == [2 * 2**23 + 3 * n for n in range(8)]
 
 
 @pytest.mark.parametrize("name", ["serial_line", "serial_line_damaged"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
 from tachk.xrce.conformance.packet_events import read_capture
+from tests.unit.xrce.captures import ACKNACK, CREATE_CLIENT, HEARTBEAT, WRITE_DATA, pcap, udp
 
 MODELS = Path(__file__).parents[4] / "models/micro_xrce_dds"
 CAPTURES = Path(__file__).parents[4] / "../shared/captures"
@@ -123,3 +125,26 @@ def test_real_captures(capture: Path, guarded: bool, expected: bool) -> None:
         explain=False,
     )
     assert found.accepted is expected
+
+
+def test_numbers_go_on_where_those_of_packets_go_round(tmp_path: Path) -> None:
+    """Also of what the Agent has, which begins again with a session."""
+
+    def written(number: int) -> bytes:
+        return udp(WRITE_DATA[:2] + struct.pack("<H", number % 65536) + WRITE_DATA[4:])
+
+    def announced(first: int, last: int) -> bytes:
+        return udp(HEARTBEAT[:-5] + struct.pack("<HHB", first % 65536, last % 65536, 0x80))
+
+    def acknowledged(first: int) -> bytes:
+        return udp(ACKNACK[:-5] + struct.pack("<HHB", first % 65536, 0x0100, 0x80), 8888, 40000)
+
+    numbers = [0, 20_000, 40_000, 65_535, 65_536, 65_538]
+    packets = [packet for number in numbers for packet in (written(number), acknowledged(number + 1))]
+    packets = [udp(CREATE_CLIENT), *packets, announced(65_530, 65_538), udp(CREATE_CLIENT), acknowledged(0)]
+    path = tmp_path / "wrapped.pcap"
+    path.write_bytes(pcap(packets))
+    sent = [event.cells for event in read_capture(path).events if event.name == "sent"]
+    assert [cells["number"] for cells in sent if cells["kind"] == "DATA"] == numbers
+    assert [cells["number"] for cells in sent if cells["kind"] == "ACKNACK"] == [*(n + 1 for n in numbers), 0]
+    assert [(c["number"], c["detail"]) for c in sent if c["kind"] == "HEARTBEAT"] == [(65_530, 65_539)]
