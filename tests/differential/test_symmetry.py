@@ -10,6 +10,7 @@ import tachk
 from tachk import Limits, Options
 from tachk.engine.options import LocalTimes
 from tachk.engine.outcome import Status
+from tachk.verify import reachability
 from tests.support.oracles import reference
 from tests.support.seeds import enough, seeds
 from tests.support.strategies import with_states
@@ -50,6 +51,22 @@ def test_symmetry_changes_no_answer(kind: str, block: int, monkeypatch: pytest.M
                 assert same or local.reason.endswith("limit"), f"seed {seed}"
     assert enough(reduced > 0)
     assert enough(of_all > 0)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_short_runs_change_no_answer(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looked for in small networks, too. Runs that are found are replayed."""
+    monkeypatch.setattr(reachability, "_MANY_EDGES", 0)
+    found = 0
+    for seed in seeds(range(300, 312)):
+        case = CASES[kind](Random(seed))
+        model = tachk.loads(case.text)
+        attempted = model.verify(*case.queries)
+        for one, other in zip(attempted, model.verify(*case.queries, options=Options().off("first-runs")), strict=True):
+            found += one.strategy in ("simulated", "best-first")
+            assert (one.answer, one.fault is None) == (other.answer, other.fault is None), f"seed {seed}"
+            assert one.trace is None or one.strategy == other.strategy or len(one.trace.steps) <= 32
+    assert enough(found > 0)
 
 
 @pytest.mark.parametrize("kind", CASES)

@@ -77,6 +77,8 @@ class SearchStrategy:
         sample: after how many explored states it is looked at whether the search pays.
         pays: whether it goes on after the sample.
         early_work: the budget of a turn before the first one, after hundredths of a second; 0: there is none.
+        short_work: the budget of a turn that looks for short runs before there is a search beside it; 0: there is none.
+        longest: how many steps a run that is drawn may take; None: as many as its part of the budget allows.
         next_turn: that behind this one, if it is not one with a budget in proportion.
     """
 
@@ -93,6 +95,8 @@ class SearchStrategy:
     sample: int = 0
     pays: Callable[[GoalSearch, int], bool] = lambda search, explored: True
     early_work: int = 0
+    short_work: int = 0
+    longest: int | None = None
     next_turn: SearchStrategy | None = None
 
     @property
@@ -131,7 +135,7 @@ class SearchStrategy:
         """Runs the search within its budget: its last status, and why that is not FINISHED."""
         begun = time.perf_counter()
         if not isinstance(search, _core.Explorer):
-            return run_in_slices(search.budgeted(self.work or 0), begun)
+            return run_in_slices(search.budgeted(self.work or 0, self.longest), begun)
         if self.work is not None:
             part = BudgetedSearch(search, effort=search.effort() + self.work, explored=self.explored)
             return run_in_slices(part, begun)
@@ -278,6 +282,7 @@ PORTFOLIO = (
         after=_TENTH_OF_A_SECOND,
         work=2_500,
         early_work=150,
+        short_work=16,
         share=1 / 64,
         long_share=1 / 8,
     ),
@@ -297,6 +302,7 @@ PORTFOLIO = (
         after=_TENTH_OF_A_SECOND,
         work=500,
         early_work=100,
+        short_work=100,
         share=1 / 64,
         long_share=1 / 32,
     ),

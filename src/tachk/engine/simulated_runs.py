@@ -52,18 +52,22 @@ class SimulatedRuns:
         self._transitions = 0
         self._weight = max(1, _most_leaving(program) // _EDGES_OF_A_TRANSITION)
 
-    def budgeted(self, work: int) -> _BudgetedRuns:
-        """The search for the goals that are left, with as much work as so many states of a small network take."""
-        return _BudgetedRuns(self, self._drawn(work * _TRANSITIONS_OF_A_STATE // self._weight))
+    def budgeted(self, work: int, longest: int | None = None) -> _BudgetedRuns:
+        """The search for the goals that are left, with as much work as so many states of a small network take.
 
-    def _drawn(self, transitions: int) -> Iterator[None]:
+        Args:
+            longest: how many steps a run may take.
+        """
+        return _BudgetedRuns(self, self._drawn(work * _TRANSITIONS_OF_A_STATE // self._weight, longest))
+
+    def _drawn(self, transitions: int, longest: int | None) -> Iterator[None]:
         """Draws run after run until the budget is used up, each with the larger part of what is left."""
         end = self._transitions + transitions
         for policy in cycle(_POLICIES):
             left, goal = end - self._transitions, self._open()
             if left <= 0 or goal is None:
                 return
-            self._draw(goal, policy, max(left * 3 // 4, _LEAST_STEPS // self._weight, 1))
+            self._draw(goal, policy, longest or max(left * 3 // 4, _LEAST_STEPS // self._weight, 1))
             yield
 
     def _open(self) -> int | None:

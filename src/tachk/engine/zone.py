@@ -60,6 +60,40 @@ def explore(
     return _joined(outcome, second, doubtful)
 
 
+_SHORT_RUN = 32
+"""A run of so many steps is short enough to be shown, though a search breadth first may find a shorter one."""
+
+
+def short_runs(
+    program: Program, goals: Sequence[Goal], options: Options = Options(), limits: Limits = Limits()
+) -> Outcome:
+    """Search as those rows of the portfolio do that look for short runs.
+
+    All goals that decide are REACHED by short runs, or none is decided.
+    """
+    begun = time.perf_counter(), user_seconds()
+    problem = SearchProblem(program, goals, options, limits, _explorer(program, goals, options, limits))
+    ended = _Ended(problem.ordinary, _core.Status.RUNNING, "", Statistics())
+    for row in reversed(PORTFOLIO):  # those of `best-first` are shorter than those that are drawn
+        search = row.begin(problem) if row.short_work and row.is_allowed(options, limits) else None
+        if search is None or isinstance(search, _core.LocalExplorer):
+            continue
+        status, reason = replace(row, work=row.short_work, longest=_SHORT_RUN).run(search)
+        if row.decides(problem, search, status) and _are_short(goals, search):
+            if not _doubtful(program, goals, options, search):
+                ended = _Ended(search, _core.Status.FINISHED, "", _statistics(search, begun), row.name)
+                break
+        if SearchStrategy.is_stopped(status, reason):
+            ended = _Ended(problem.ordinary, status, reason, _statistics(problem.ordinary, begun))
+            break
+    return _outcome_of(program, goals, options, ended)[0]
+
+
+def _are_short(goals: Sequence[Goal], search: GoalSearch) -> bool:
+    decisive = [number for number, goal in enumerate(goals) if goal.decides]
+    return all(len(search.path_to_goal(number)) <= _SHORT_RUN for number in decisive)
+
+
 def explore_everything(
     program: Program,
     goals: Sequence[Goal],

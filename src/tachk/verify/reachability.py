@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from tachk.base.diagnostics.diagnostic import InternalError
 from tachk.base.job import unhurried
 from tachk.base.records import replace
+from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import RUN_TIME_ERROR
 from tachk.engine.exact.concretise import concretise
-from tachk.engine.options import SearchOrder
+from tachk.engine.options import Limits, Options, SearchOrder
 from tachk.engine.outcome import GoalOutcome, Outcome, Status
-from tachk.engine.zone import explore
+from tachk.engine.symmetry.coarse_partition import coarse_partition
+from tachk.engine.zone import explore, short_runs
 from tachk.meaning.discrete import prepare
 from tachk.meaning.judge.replay import ReplayError, replay
 from tachk.model.expressions import Expression
@@ -25,6 +27,9 @@ from tachk.verify.strategy import Findings, Problem
 from tachk.verify.unexamined import unexamined
 from tachk.verify.vacuity import triggers_of, with_notes
 from tachk.verify.verdict import Answer, Verdict, answers_of
+
+_MANY_EDGES = 64
+"""To find out which processes of so many edges are interchangeable takes longer than the first attempts."""
 
 
 def equal_parts(problem: Problem) -> Iterator[Problem]:
@@ -40,7 +45,19 @@ def equal_parts(problem: Problem) -> Iterator[Problem]:
 
 def explored(problem: Problem) -> Findings:
     """Searches the cone of influence of the targets."""
-    return Findings(_explored(problem))
+    return Findings(_explored(problem, explore))
+
+
+def first_runs(problem: Problem) -> Findings:
+    """Looks for a short run where it takes long to find out which processes are interchangeable: the first attempts do
+    not need to know."""
+    conditions = [trigger.condition for trigger in triggers_of(problem.tasks, problem.network)]
+    network = reduced_for(problem.network, [*problem.targets, *conditions], problem.options).network
+    edges = sum(len(process.edges) for process in network.processes)
+    if not problem.options.symmetry or edges < _MANY_EDGES or not coarse_partition(network).repeats:
+        return Findings({})
+    found = _explored(replace(problem, options=problem.options.off("symmetry")), short_runs)
+    return Findings({n: each for n, each in found.items() if each.answer is not Answer.UNKNOWN or each.reason})
 
 
 def few_states(problem: Problem) -> Findings:
@@ -63,13 +80,15 @@ def depth_first(problem: Problem) -> Findings:
     return explored(replace(problem, options=replace(options, order=SearchOrder.DFS)))
 
 
-def _explored(problem: Problem) -> dict[int, Verdict]:
+def _explored(
+    problem: Problem, search: Callable[[Program, Sequence[Goal], Options, Limits], Outcome]
+) -> dict[int, Verdict]:
     network, targets, options = problem.network, problem.targets, problem.options
     triggers = triggers_of(problem.tasks, network)
     conditions = [trigger.condition for trigger in triggers]
     reduced = reduced_for(network, [*targets, *conditions], options)
     program, goals = lowered(reduced.network, targets, conditions, options)
-    outcome = explore(program, goals, options, problem.limits)
+    outcome = search(program, goals, options, problem.limits)
     searched, whole = prepare(reduced.network), problem.observed.then(reduced)
 
     def of_the_model(fault: RunTimeFault) -> RunTimeFault:
@@ -86,7 +105,7 @@ def _explored(problem: Problem) -> dict[int, Verdict]:
         verdict = verdict_of(problem.observed, reduced, task, goal, outcome, problem.trace)
         if verdict is None:
             everything = options.off("cone")
-            verdicts |= _explored(replace(problem, tasks=(task,), options=everything))
+            verdicts |= _explored(replace(problem, tasks=(task,), options=everything), search)
         else:
             verdicts[task.number] = verdict
     return with_notes(verdicts, triggers, outcome.goals[len(targets) :])

@@ -54,6 +54,14 @@ REACHABILITY = (
         Exactness.REACHABLE,
     ),
     Strategy(
+        "first-runs",
+        "look for a short run in few states, before it is known which processes are interchangeable",
+        _named("tachk.verify.reachability:first_runs"),
+        Exactness.REACHABLE,
+        preliminary=True,
+        plain=True,
+    ),
+    Strategy(
         "few-states",
         "search for few states with the symmetrised query, about all interchangeable processes",
         _named("tachk.verify.reachability:few_states"),

@@ -165,7 +165,7 @@ def test_a_limit_on_time_ends_the_attempt(monkeypatch: pytest.MonkeyPatch) -> No
 class Interrupted:
     """A search in which Ctrl-C comes at once."""
 
-    def budgeted(self, work: int) -> Interrupted:
+    def budgeted(self, work: int, longest: int | None) -> Interrupted:
         return self
 
     def run(self, expansions: int, seconds: float | None = None, look: object = None) -> _core.Status:

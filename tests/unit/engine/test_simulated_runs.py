@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import tachk
+from tachk.engine import zone
 from tachk.engine.options import Options
 from tachk.model.run import TimedTrace
 from tachk.verify.verdict import Answer, Verdict
@@ -135,3 +136,29 @@ def test_a_distance_leads_where_chance_does_not() -> None:
     )
     assert (found.answer, found.strategy) == (Answer.HOLDS, "best-first")
     assert found.statistics.states_stored < 40_000
+
+
+# Each tells where it is, so that none can be left out.
+MEETING = """
+const int N = 15;
+typedef int[1, N] id_t;
+int[0, N] inside;
+process P(const id_t me) {
+    clock x;
+    init location out { to waiting { guard x >= 1; assign x = 0; } }
+    location waiting { to in { guard x >= 1; assign inside = inside + 1; } to out; to out { guard x > 5; } }
+    location in { to out { assign inside = inside - 1; } }
+}
+system P;
+"""
+ONE_IS_INSIDE = "E<> P(3).in && inside == 1"
+
+
+def test_a_short_run_is_found_before_symmetries_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, steps in [("best-first", 2), ("simulated", 20)]:
+        found = verdict(MEETING, ONE_IS_INSIDE, Options() if name == "best-first" else Options().off("best-first"))
+        assert (found.answer, found.strategy) == (Answer.HOLDS, name)
+        assert isinstance(found.trace, TimedTrace) and len(found.trace.steps) == steps
+    monkeypatch.setattr(zone, "_SHORT_RUN", 1)
+    for options in (Options(), Options().off("first-runs")):
+        assert verdict(MEETING, ONE_IS_INSIDE, options).strategy == "few-states"
