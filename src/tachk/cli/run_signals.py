@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from tachk.model.run import TimedTrace
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.formulas import columns_with, truths_on
+from tachk.simulation.stepping import scenario_text
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer
@@ -26,12 +28,19 @@ def write_run(
     model: str,
     constants: Mapping[str, int],
 ) -> None:
-    """Writes the signals of a run, those of the formulas besides the chosen ones, or its steps into a .run file.
+    """Writes the signals of a run, those of the formulas besides the chosen ones, its steps into a .run file, or its
+    events as a scenario into a .ta file.
 
     Says so if the file cannot hold the times. Raises UsageError for an unknown ending.
     """
     if output.suffix.lower() == SUFFIX:
         write_whole(output, run_text(names, run, [f"a run of {model}"], constants))
+        return
+    if output.suffix.lower() == scenario_text.SUFFIX:
+        name = re.sub(r"\W", "_", output.stem)
+        write_whole(
+            output, scenario_text.scenario_of_run(names, run, name if not name[:1].isdigit() else f"run_{name}")
+        )
         return
     recorded = signals_of(names, columns_with(names.network, record, formulas), run, str(output), decimal_times=True)
     if not recorded.exact:

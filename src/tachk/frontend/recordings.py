@@ -10,9 +10,9 @@ from tachk.base.diagnostics.diagnostic import Label
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.base.records import replace
 from tachk.base.span import Span
-from tachk.base.time_units import NANOSECONDS, length_of
 from tachk.base.words import Direction
 from tachk.frontend.context import Context
+from tachk.frontend.durations import units_of
 from tachk.frontend.expressions.typed_expressions import expression
 from tachk.frontend.expressions.typing import is_integral
 from tachk.frontend.scope import ProcessSymbol, Scope, ValueSymbol
@@ -152,19 +152,7 @@ class _RecordingClauseReader:
 
     def _units(self, clause: ast.AllowanceClause) -> Fraction:
         """The length of an allowance in units of the model."""
-        if not clause.unit:
-            return Fraction(clause.amount)
-        length = NANOSECONDS.get(clause.unit)
-        unit = length_of(self.context.time_unit) if self.context.time_unit else None
-        if length is None:
-            help_ = did_you_mean(clause.unit, NANOSECONDS) or f"one of {', '.join(NANOSECONDS)}"
-            self.context.error("E0453", clause.span, f"`{clause.unit}` is not a unit of time", help_)
-        elif unit is None:
-            help_ = "write `time_unit = 1 ms;`, or leave out the unit"
-            self.context.error("E0453", clause.span, "the model does not say how long its time unit is", help_)
-        else:
-            return clause.amount * length / unit
-        return Fraction(0)
+        return units_of(clause.amount, clause.unit, clause.span, self.context) or Fraction(0)
 
     # ---- channels ---------------------------------------------------------------------------------------------------
 

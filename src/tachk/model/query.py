@@ -9,13 +9,36 @@ from tachk.base.records import dataclass
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import QueryKind
 from tachk.model.connectives import negation
-from tachk.model.expressions import Expression
+from tachk.model.expressions import Expression, Variable
 from tachk.model.network import Process
 
 
 class Expectation(StrEnum):
     HOLDS = "holds"
     FAILS = "fails"
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedChannel:
+    """A channel by which two processes join that an observer hears: their edges note what happens.
+
+    Attributes:
+        channel: the channel, or the array of channels.
+        element: the variable of the observer for the number of what has happened.
+        numbers: the constant array of these numbers, by the place of a channel among those of its array; below 0: the
+            observer does not hear it.
+        updates: what happens at the end of the edges that receive, with that number; the last one is `forgets`.
+    """
+
+    channel: Variable
+    element: Variable
+    numbers: Variable
+    updates: tuple[Expression, ...]
+
+    @property
+    def forgets(self) -> Expression:
+        """The update that sets the number back."""
+        return self.updates[-1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +50,13 @@ class Observer:
         bad: the location that is reachable if and only if a finite run violates the formula.
         endings: the locations that a run without end violates the formula by never leaving.
         entries: where it gets into them.
-        formula: the formula with its bounds as numbers, as text.
+        formula: the formula with its bounds as numbers, as text; empty for a scenario.
         triggers: for each implication that the formula demands always, its left side as text, and what must be true
             in some state so that the left side ever is.
         demanded: the conditions that must be true at all instants, each with its text.
         awaited: the conditions that must come and last, each with its text.
         sufficient: a condition on one state: where it is true in all states, the formula holds; None: none is known.
+        joined: the channels by which two processes join that it hears.
     """
 
     process: Process
@@ -44,6 +68,7 @@ class Observer:
     demanded: tuple[tuple[str, Expression], ...] = ()
     awaited: tuple[tuple[str, Expression], ...] = ()
     sufficient: Expression | None = None
+    joined: tuple[JoinedChannel, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

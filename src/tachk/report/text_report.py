@@ -162,7 +162,7 @@ def _print_evidence(
     """The run behind an answer, what is news in it first."""
     view = view_trace(network, trace)
     console.print(Text(_trace_title(network, verdict), style="bold"))
-    if verdict.query.observer is not None:
+    if verdict.query.observer is not None and verdict.query.observer.formula:
         console.print(_observer_line(verdict, verdict.query.observer, network.time_unit), soft_wrap=True)
     if trace.due is not None and verdict.query.kind is QueryKind.LEADS_TO:
         console.print(_due_line(verdict.query, trace.due, network.time_unit), soft_wrap=True)

@@ -46,7 +46,7 @@ from tachk.report.run.display import RunDisplay
     "--output",
     metavar="FILE",
     type=options.written_file,
-    help="Write the signals of the run: .csv, .jsonl, .parquet, .vcd; or the run itself: .run.",
+    help="Write the signals of the run: .csv, .jsonl, .parquet, .vcd; the run itself: .run; or a scenario: .ta.",
 )
 @options.max_seconds()
 def command(seconds: float | None, **given: Any) -> None:

@@ -282,7 +282,9 @@ def _queries(
             )
     queries = []
     for item in items:
-        if isinstance(item, ast.PropertyDeclaration):
+        if isinstance(item, ast.PropertyDeclaration) and isinstance(item.formula, ast.ScenarioFormula):
+            steps.append(PlainRewriting("scenario", item.name.span, f"`{item.name.name}` is left out: UPPAAL has none"))
+        elif isinstance(item, ast.PropertyDeclaration):
             formula = _without_signals(item.formula, signals)
             comment = item.title or item.doc
             name = item.name.name
@@ -324,7 +326,7 @@ def _without_signals(formula: ast.PropertyFormula, signals: Mapping[str, ast.Exp
                 )
             )
         return formula
-    if isinstance(formula, ast.TemporalFormula):
+    if isinstance(formula, ast.TemporalFormula | ast.ScenarioFormula):
         return rewrite(formula, partial(_atom_without_signals, signals=signals))
     predicate = None if formula.predicate is None else substitute(formula.predicate, signals)
     return replace(formula, predicate=predicate, operands=tuple(substitute(o, signals) for o in formula.operands))

@@ -57,7 +57,7 @@ def is_statistical(query: object) -> TypeGuard[UncheckedQuery]:
 
 
 def elaborate_query(
-    formula: ast.QueryFormula | ast.TemporalFormula,
+    formula: ast.QueryFormula | ast.TemporalFormula | ast.ScenarioFormula,
     name: str,
     scope: Scope,
     context: Context,
@@ -71,6 +71,11 @@ def elaborate_query(
 
         query = elaborate_temporal(formula, name, scope, context, title, expected.expectation)
         return None if query is None else replace(query, conditional=expected.conditional)
+    if isinstance(formula, ast.ScenarioFormula):
+        from tachk.frontend.queries.scenarios import elaborate_scenario
+
+        scenario = elaborate_scenario(formula, name, scope, context, title, expected.expectation)
+        return None if scenario is None else replace(scenario, conditional=expected.conditional)
     context = replace(context, in_query=True)
     kind = formula.kind
     predicate: Expression | None = None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from tachk.base.records import dataclass
 from tachk.base.words import QueryKind
-from tachk.syntax.ast.expressions import Expression
+from tachk.syntax.ast.expressions import Expression, NameExpression
 from tachk.syntax.ast.nodes import Identifier, Node
 
 if TYPE_CHECKING:
@@ -58,7 +58,45 @@ class TemporalFormula(Node):
     sentence: str = ""
 
 
-PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula
+@dataclass(frozen=True, slots=True)
+class ScenarioTime(Node):
+    """``5 ms``, or a constant; without a unit in units of the model, ``unit`` is empty then."""
+
+    amount: int | NameExpression
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioStep(Node):
+    """``within 5 ms send[0] with number == 0;``, or ``nothing 5 ms;``.
+
+    Attributes:
+        channel: of the event, or an array of channels; None: nothing happens for `earliest`.
+        earliest, latest: since the event before; None: no bound.
+        condition: what must be true when it has happened; None: nothing.
+    """
+
+    channel: Expression | None
+    earliest: ScenarioTime | None = None
+    latest: ScenarioTime | None = None
+    condition: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ObservesClause(Node):
+    """``observes send, deliver;``: more channels that nothing happens on but the events of the scenario."""
+
+    channels: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioFormula(Node):
+    """``scenario NAME { ... }``: the question whether some run has these events, in this order."""
+
+    clauses: tuple[ScenarioStep | ObservesClause, ...]
+
+
+PropertyFormula = QueryFormula | UncheckedFormula | TemporalFormula | ScenarioFormula
 """The formula of a property or a query."""
 
 

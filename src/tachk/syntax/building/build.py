@@ -205,6 +205,39 @@ class Builder(ExpressionBuilder, FormulaBuilder):
     def hide(self, children: Children) -> ast.HideDeclaration:
         return ast.HideDeclaration(span_of(children), _identifiers(children))
 
+    # ---- scenarios ----
+
+    def scenario(self, children: Children) -> ast.PropertyDeclaration:
+        keyword, name, title, _, *clauses, _ = children
+        formula = ast.ScenarioFormula(span_of(children), nodes(clauses))
+        text = title.text[1:-1] if title is not None else ""
+        return ast.PropertyDeclaration(formula.span, name, text, formula, None, keyword.doc)
+
+    def scenario_event(self, children: Children) -> ast.ScenarioStep:
+        bounds, channel, _, _, condition, _ = children
+        earliest, latest = (None, None) if bounds is None else (bounds.earliest, bounds.latest)
+        return ast.ScenarioStep(span_of(children), channel, earliest, latest, condition)
+
+    def scenario_silence(self, children: Children) -> ast.ScenarioStep:
+        _, time, _ = children
+        return ast.ScenarioStep(span_of(children), None, time)
+
+    def scenario_bounds(self, children: Children) -> ast.ScenarioStep:
+        """The times of an event, which is not known yet."""
+        word, *rest = children
+        times = only(rest, ast.ScenarioTime)
+        earliest = None if word.type == "WITHIN" else times[0]
+        latest = None if word.type == "AFTER" else times[-1]
+        return ast.ScenarioStep(span_of(children), None, earliest, latest)
+
+    def scenario_time(self, children: Children) -> ast.ScenarioTime:
+        amount, unit = children
+        value = int(amount.text) if amount.type == "INTEGER" else ast.NameExpression(amount.span, amount.text)
+        return ast.ScenarioTime(span_of(children), value, "" if unit is None else unit.text)
+
+    def observes(self, children: Children) -> ast.ObservesClause:
+        return ast.ObservesClause(span_of(children), nodes(children))
+
     # ---- recordings ----
 
     def recording(self, children: Children) -> ast.RecordingDeclaration:

@@ -59,6 +59,13 @@ SPELLING = {
     "HIDDEN": "hidden",
     "TOLERANCE": "tolerance",
     "LATE": "late",
+    "SCENARIO": "scenario",
+    "WITH": "with",
+    "NOTHING": "nothing",
+    "OBSERVES": "observes",
+    "WITHIN": "within",
+    "AFTER": "after",
+    "FROM": "from",
 }
 """The spelling of each contextual keyword."""
 
@@ -72,6 +79,7 @@ PATHS = {"AG": "A[]", "AF": "A<>", "EG": "E[]", "EF": "E<>"}
 
 _FLAGS = {"init": "INIT_FLAG", "urgent": "URGENT_FLAG", "committed": "COMMITTED_FLAG"}
 _CLAUSES = ("replaces", "visible", "hidden", "tolerance", "late", "import")
+_BOUNDS = ("within", "after", "from")
 _OUTCOMES = ("holds", "fails")
 _ARROWS = ("->", "-u->")
 _OPENING = {"{", "(", "["}
@@ -86,6 +94,7 @@ class _Inside(Enum):
     LOCATION = auto()
     EDGE = auto()
     RECORDING = auto()
+    SCENARIO = auto()
     OTHER = auto()
 
 
@@ -174,6 +183,8 @@ class _NameResolver:
             return _Inside.PROCESS
         if self.output and self.output[-1].type == "RECORDING":
             return _Inside.RECORDING
+        if any(token.type == "SCENARIO" for token in self.output[-3:-1]):
+            return _Inside.SCENARIO
         keyword = self.output[-2] if len(self.output) > 1 and self.output[-1].type == "NAME" else None
         if keyword is not None and self.inside is _Inside.PROCESS:
             if keyword.type in ("LOCATION", "BRANCHPOINT"):
@@ -198,6 +209,9 @@ class _NameResolver:
         if self.inside is _Inside.RECORDING:
             if word in _CLAUSES:
                 token.type = word.upper()
+            return False
+        if self.inside is _Inside.SCENARIO:
+            self.start_of_scenario_clause(token, following, third)
             return False
         if self.inside is _Inside.OTHER:
             self.statement_word(token)
@@ -236,6 +250,8 @@ class _NameResolver:
             token.type = "RESERVED"
         elif word in ("progress", "recording") and self.text(1) == "{":
             token.type = word.upper()
+        elif word == "scenario" and following == "NAME" and "{" in (self.text(2), third == "STRING" and self.text(3)):
+            token.type = "SCENARIO"
         elif word == "gantt" and self.text(1) == "{":
             token.type = "GANTT"
             self.output.append(token)
@@ -258,6 +274,34 @@ class _NameResolver:
             self.query(self.end_of_property(), expectation=True)
             return True
         return False
+
+    def start_of_scenario_clause(self, token: Token, following: str, third: str) -> None:
+        """Mark ``within 5 ms``, ``after D``, ``from 2 to 5``, ``nothing 5 ms`` and ``observes c``; these words may name
+        channels, too."""
+        word = token.text
+        if word == "observes" and following == "NAME":
+            token.type = "OBSERVES"
+        elif word == "nothing" and (following == "INTEGER" or (following == "NAME" and self.text(2) == ";")):
+            token.type = "NOTHING"
+            self.unit(2)
+        elif word in _BOUNDS and (following == "INTEGER" or (following == "NAME" and third == "NAME")):
+            token.type = word.upper()
+            self.unit(2)
+
+    def unit(self, ahead: int) -> None:
+        """Mark the unit of a time: a name behind a number, unless an event begins there."""
+        if self.type(ahead - 1) == "INTEGER" and self.type(ahead) == "NAME":
+            of_silence = self.tokens[self.position + ahead - 2].type == "NOTHING"
+            if of_silence or (self.type(ahead + 1) == "NAME" and self.text(ahead + 1) != "with"):
+                self.tokens[self.position + ahead].type = "UNIT"
+
+    def within_scenario(self, token: Token, last: Token) -> None:
+        """Mark ``to`` between two times, and ``with`` behind an event."""
+        if token.text == "to" and (last.type in ("INTEGER", "UNIT") or self.output[-2].type == "FROM"):
+            token.type = "TO"
+            self.unit(2)
+        elif token.text == "with" and (last.text in ("]", "!") or last.type == "NAME"):
+            token.type = "WITH"
 
     def names_no_type(self, word: str) -> bool:
         """True if nothing in the text can define a word as a type."""
@@ -333,6 +377,8 @@ class _NameResolver:
         last = self.output[-1]
         if token.text == "hybrid" and self.type(1) == "CLOCK":
             token.type = "HYBRID"
+        elif self.inside is _Inside.SCENARIO:
+            self.within_scenario(token, last)
         elif self.inside is _Inside.RECORDING:
             if (token.text == "as" and (last.text in ("]", "!", "?") or last.type == "NAME")) or (
                 token.text == "per" and last.text == ")"

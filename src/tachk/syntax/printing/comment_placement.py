@@ -96,6 +96,8 @@ def line_nodes(node: Any) -> Iterator[Any]:
             yield from items
         case ast.RecordingDeclaration(clauses=clauses):
             yield from clauses
+        case ast.PropertyDeclaration(formula=ast.ScenarioFormula(clauses=steps)):
+            yield from steps
         case ast.Template():
             yield from (*node.declarations, *node.locations, *node.branchpoints, *node.edges)
         case ast.LocationDeclaration():
@@ -134,6 +136,8 @@ def _anchors(document: ast.Document) -> Iterator[Any]:
 
 
 def _has_braces(node: Any) -> bool:
+    if isinstance(node, ast.PropertyDeclaration):
+        return isinstance(node.formula, ast.ScenarioFormula)
     return isinstance(
         node,
         ast.Document

@@ -26,7 +26,7 @@ from tachk.syntax.printing.expression_printer import (
     print_type,
     print_variables,
 )
-from tachk.syntax.printing.query_printer import print_expected, print_query
+from tachk.syntax.printing.query_printer import print_expected, print_query, print_scenario_clause
 from tachk.syntax.printing.writer import Writer
 
 _Node = TypeVar("_Node", bound=ast.Item | ast.Declaration)
@@ -249,6 +249,8 @@ def write_item(writer: Writer, item: ast.Item) -> None:
             writer.line(f'import "{path}";', item)
         case ast.TimeUnitDeclaration(amount=amount, unit=unit):
             writer.line(f"time_unit = {amount} {unit};", item)
+        case ast.PropertyDeclaration(formula=ast.ScenarioFormula() as scenario):
+            _write_scenario(writer, item, scenario)
         case ast.PropertyDeclaration():
             _write_property(writer, item)
         case ast.ExpectationDeclaration(names=names, expectation=expectation):
@@ -375,6 +377,17 @@ def _write_property(writer: Writer, item: ast.PropertyDeclaration) -> None:
     else:
         writer.ending(f"{formula};", item)
     writer.deeper(-1)
+
+
+def _write_scenario(writer: Writer, item: ast.PropertyDeclaration, scenario: ast.ScenarioFormula) -> None:
+    title = f' "{item.title}"' if item.title else ""
+    writer.begin(item, item.doc)
+    writer.open(f"scenario {item.name.name}{title} {{", item)
+    for clause in scenario.clauses:
+        writer.begin(clause)
+        writer.filled("", f"{print_scenario_clause(clause)};".split(" "))
+        writer.behind(clause)
+    writer.close("}", item)
 
 
 # ---- templates ----------------------------------------------------------------------------------------------------
