@@ -72,12 +72,12 @@ def observed(network: Network, observer: Observer | None) -> ObservedNetwork:
     processes = list(network.processes)
     for channel in observer.joined:
         for number, process in enumerate(processes):
-            processes[number] = _heard(process, number, channel, copies)
+            processes[number] = _noting(process, number, channel, copies)
     watched = with_process(replace(network, processes=tuple(processes)), observer.process)
     return ObservedNetwork(network, watched, Exactness.SAME_ANSWERS, copies)
 
 
-def _heard(process: Process, number: int, channel: JoinedChannel, copies: dict[tuple[int, int], int]) -> Process:
+def _noting(process: Process, number: int, channel: JoinedChannel, copies: dict[tuple[int, int], int]) -> Process:
     """The process whose edges over a channel note what happens: the sender which channel, before its updates may change
     the index, and the receiver the rest, behind all updates."""
     edges: list[Edge] = list(process.edges)
@@ -96,11 +96,11 @@ def _heard(process: Process, number: int, channel: JoinedChannel, copies: dict[t
         elif min(possible) >= 0:
             edges[position] = replace(edge, updates=(*edge.updates, *channel.updates))
         else:
-            is_heard = Binary(BinaryOperator.GREATER_EQUAL, found, Constant(0), BOOL)
-            guard, updates = both(edge.guard, is_heard), (*edge.updates, *channel.updates)
+            is_observed = Binary(BinaryOperator.GREATER_EQUAL, found, Constant(0), BOOL)
+            guard, updates = both(edge.guard, is_observed), (*edge.updates, *channel.updates)
             edges[position] = replace(edge, guard=guard, updates=updates)
             copies[number, len(edges)] = copies.get((number, position), position)
-            guard, updates = both(edge.guard, negation(is_heard)), (*edge.updates, channel.forgets)
+            guard, updates = both(edge.guard, negation(is_observed)), (*edge.updates, channel.forgets)
             edges.append(replace(edge, guard=guard, updates=updates))
     return replace(process, edges=tuple(edges))
 

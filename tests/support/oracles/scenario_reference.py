@@ -11,7 +11,7 @@ from fractions import Fraction
 from random import Random
 
 from tachk.base.records import replace
-from tachk.frontend.queries.scenario_observer import HeardChannel, ScenarioEvent
+from tachk.frontend.queries.scenario_observer import ObservedChannel, ScenarioEvent
 from tachk.meaning.discrete import PreparedNetwork, channel_of, meta_values, prepare
 from tachk.meaning.step import StepError, delay, initial_state, satisfies, successors
 from tachk.model.network import Network
@@ -22,10 +22,10 @@ _BEYOND = 8
 """Clocks beyond every constant are the same."""
 
 
-def channels_of(network: Network) -> list[HeardChannel]:
+def channels_of(network: Network) -> list[ObservedChannel]:
     """The channels of a network by their numbers."""
     return [
-        HeardChannel(variable, place)
+        ObservedChannel(variable, place)
         for variable in network.all_variables()
         if isinstance(element_type(variable.type), ChannelType)
         for place in range(slot_count(variable.type))
@@ -33,11 +33,11 @@ def channels_of(network: Network) -> list[HeardChannel]:
 
 
 def is_possible(
-    network: Network, events: Sequence[ScenarioEvent], also: Sequence[HeardChannel], most: int
+    network: Network, events: Sequence[ScenarioEvent], also: Sequence[ObservedChannel], most: int
 ) -> bool | None:
-    """Whether a run has these events and no others on the channels that are heard; None after so many states."""
+    """Whether a run has these events and no others on the channels that count; None after so many states."""
     model, names = prepare(network), channels_of(network)
-    heard = {*also, *(channel for event in events for channel in event.heard)}
+    observed = {*also, *(channel for event in events for channel in event.channels)}
     start = (_clipped(initial_state(model)), 0, 0)
     seen, pending = {start}, [start]
     while pending:
@@ -46,13 +46,13 @@ def is_possible(
             return True
         found = []
         event = events[count]
-        if not event.heard and since == event.earliest:
+        if not event.channels and since == event.earliest:
             found.append((state, count + 1, 0))
         for transition, after in successors(model, state):
             number = channel_of(model, state.discrete, transition)
-            if number is None or names[number] not in heard:
+            if number is None or names[number] not in observed:
                 found.append((after, count, since))
-            elif names[number] in event.heard and event.earliest <= since:
+            elif names[number] in event.channels and event.earliest <= since:
                 if event.latest is None or since <= event.latest:
                     if event.condition is None or satisfies(
                         model, _shown(model, state, transition, after), event.condition
@@ -71,11 +71,11 @@ def is_possible(
     return False
 
 
-def random_run_events(network: Network, random: Random, steps: int) -> list[tuple[int, HeardChannel]]:
+def random_run_events(network: Network, random: Random, steps: int) -> list[tuple[int, ObservedChannel]]:
     """The events of a random run with whole delays, each with the time since the one before."""
     model, names = prepare(network), channels_of(network)
     state, since = initial_state(model), 0
-    found: list[tuple[int, HeardChannel]] = []
+    found: list[tuple[int, ObservedChannel]] = []
     for _ in range(steps):
         later = _later(model, state)
         next_ = successors(model, state)

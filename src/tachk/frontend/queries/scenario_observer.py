@@ -21,7 +21,7 @@ from tachk.model.types import ArrayType, BoolType, ChannelType, IntType, element
 
 
 @dataclass(frozen=True, slots=True)
-class HeardChannel:
+class ObservedChannel:
     """``place`` counts the channels of an array."""
 
     variable: Variable
@@ -31,18 +31,18 @@ class HeardChannel:
 @dataclass(frozen=True, slots=True)
 class ScenarioEvent:
     """Attributes:
-    heard: the channels on which the event may happen; empty: nothing happens for `earliest`.
+    channels: on which the event may happen; empty: nothing happens for `earliest`.
     earliest, latest: since the event before; None: no upper bound.
     """
 
-    heard: tuple[HeardChannel, ...]
+    channels: tuple[ObservedChannel, ...]
     earliest: int
     latest: int | None
     condition: Expression | None
 
 
 def scenario_observer(
-    name: str, events: Sequence[ScenarioEvent], also: Sequence[HeardChannel]
+    name: str, events: Sequence[ScenarioEvent], also: Sequence[ObservedChannel]
 ) -> tuple[Observer, Expression]:
     """The observer of a scenario, and the condition that all of its events have happened.
 
@@ -62,17 +62,17 @@ class _ObserverBuilder:
         since: the clock since the event before.
     """
 
-    def __init__(self, name: str, steps: Sequence[ScenarioEvent], also: Sequence[HeardChannel]) -> None:
+    def __init__(self, name: str, steps: Sequence[ScenarioEvent], also: Sequence[ObservedChannel]) -> None:
         self.steps = steps
-        channels = [heard for step in steps for heard in step.heard]
-        self.heard = tuple(dict.fromkeys((*channels, *also)))
+        named = [channel for step in steps for channel in step.channels]
+        self.observed = tuple(dict.fromkeys((*named, *also)))
         self.lost = len(steps) + 1
         self._arrays: dict[str, Term] = {}
         self.process = ProcessBuilder(f"{name}.", VariableKind.LOCAL, name=name)
         self.at = self.process.integer("at", 0, self.lost)
         self.ripe = self.process.boolean("ripe", self._at_once(0))
         self.agrees = self.process.boolean("agrees", False)
-        self.element = self.process.integer("element", -1, len(self.heard) - 1, -1)
+        self.element = self.process.integer("element", -1, len(self.observed) - 1, -1)
         self.since = self.process.clock("since")
 
     def reached(self) -> Expression:
@@ -80,7 +80,7 @@ class _ObserverBuilder:
 
     def build(self) -> Observer:
         steps, process = self.steps, self.process
-        latest = [step.earliest if not step.heard else step.latest for step in steps]
+        latest = [step.earliest if not step.channels else step.latest for step in steps]
         bounded = [*(bound is not None for bound in latest), False, True]
         upper = self._table("latest", [*(bound or 0 for bound in latest), 0, 0])
         lower = self._table("earliest", [*(step.earliest for step in steps), 0, 0])
@@ -88,22 +88,22 @@ class _ObserverBuilder:
             "following",
             (~self._flags("bounded", bounded) | (self.since <= upper)) & (self.ripe | (self.since <= lower)),
         )
-        silent = self._flags("silent", [*(not step.heard for step in steps), False, False])
+        silent = self._flags("silent", [*(not step.channels for step in steps), False, False])
         due = ~self.ripe & (self.since >= lower)
         process.edge(here, here, guard=due & ~silent, updates=[self.ripe.assign(True)])
-        if any(not step.heard for step in steps):
+        if any(not step.channels for step in steps):
             updates = [self.at.assign(self.at + 1), self._ripens(), self.since.assign(0)]
             process.edge(here, here, guard=due & silent, updates=updates)
         joined: dict[Variable, list[int]] = {}
-        for number, heard in enumerate(self.heard):
-            type_ = element_type(heard.variable.type)
+        for number, channel in enumerate(self.observed):
+            type_ = element_type(channel.variable.type)
             if isinstance(type_, ChannelType) and type_.broadcast:
-                channel = Term(_channel(Reference(heard.variable), heard.place))
-                process.edge(here, here, receive=channel, updates=self._updates(number, [heard]))
+                receive = Term(_channel(Reference(channel.variable), channel.place))
+                process.edge(here, here, receive=receive, updates=self._updates(number, [channel]))
             else:
-                places = [-1] * slot_count(heard.variable.type)
-                joined.setdefault(heard.variable, places)[heard.place] = number
-        own = [heard for heard in self.heard if heard.variable in joined]
+                places = [-1] * slot_count(channel.variable.type)
+                joined.setdefault(channel.variable, places)[channel.place] = number
+        own = [channel for channel in self.observed if channel.variable in joined]
         updates = [*self._updates(self.element, own), self.element.assign(-1)] if joined else []
         channels = tuple(
             JoinedChannel(
@@ -118,12 +118,12 @@ class _ObserverBuilder:
 
     def _at_once(self, step: int) -> bool:
         """True if a step may come at the time of the one before; after the last one nothing is too early."""
-        return step >= len(self.steps) or (self.steps[step].earliest == 0 and bool(self.steps[step].heard))
+        return step >= len(self.steps) or (self.steps[step].earliest == 0 and bool(self.steps[step].channels))
 
     def _ripens(self) -> Term:
         return self.ripe.assign(self._flags("instant", [self._at_once(n) for n in range(self.lost + 1)]))
 
-    def _updates(self, number: Term | int, among: Collection[HeardChannel]) -> list[Term]:
+    def _updates(self, number: Term | int, among: Collection[ObservedChannel]) -> list[Term]:
         """An event happens on one of some channels."""
         agrees = self.ripe & self._expected(number)
         conditions = self._conditions(among)
@@ -142,20 +142,20 @@ class _ObserverBuilder:
 
         Steps with the same channels share a number above 0, so that no table grows with the events and the channels.
         """
-        different = list(dict.fromkeys(step.heard for step in self.steps))
-        which = self._table("channels", [*(1 + different.index(step.heard) for step in self.steps), 0, 0])
+        different = list(dict.fromkeys(step.channels for step in self.steps))
+        which = self._table("channels", [*(1 + different.index(step.channels) for step in self.steps), 0, 0])
         if not isinstance(number, int):
-            rows = [heard in channels for channels in ((), *different) for heard in self.heard]
-            return self._flags("expected", rows, which * len(self.heard) + number)
-        parts = [which == place for place, channels in enumerate(different, 1) if self.heard[number] in channels]
+            rows = [channel in channels for channels in ((), *different) for channel in self.observed]
+            return self._flags("expected", rows, which * len(self.observed) + number)
+        parts = [which == place for place, channels in enumerate(different, 1) if self.observed[number] in channels]
         return reduce(or_, parts) if parts else Term(Constant(0, BOOL))
 
-    def _conditions(self, among: Collection[HeardChannel]) -> Term | None:
+    def _conditions(self, among: Collection[ObservedChannel]) -> Term | None:
         """The condition of the next event is true if it is on one of these channels; None if there are none."""
         different = list(dict.fromkeys(step.condition for step in self.steps if step.condition is not None))
         numbers = [0 if step.condition is None else 1 + different.index(step.condition) for step in self.steps]
         which = self._table("condition", [*numbers, 0, 0])
-        used = {step.condition for step in self.steps if not set(among).isdisjoint(step.heard)}
+        used = {step.condition for step in self.steps if not set(among).isdisjoint(step.channels)}
         parts = [(which != number) | Term(each) for number, each in enumerate(different, 1) if each in used]
         while len(parts) > 1:  # as flat as can be: there may be hundreds
             pairs = zip_longest(parts[::2], parts[1::2])

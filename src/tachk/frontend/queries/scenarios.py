@@ -9,7 +9,7 @@ from tachk.base.words import QueryKind
 from tachk.frontend.context import Context
 from tachk.frontend.durations import units_of
 from tachk.frontend.expressions.typed_expressions import condition, constant_integer, expression
-from tachk.frontend.queries.scenario_observer import HeardChannel, ScenarioEvent, scenario_observer
+from tachk.frontend.queries.scenario_observer import ObservedChannel, ScenarioEvent, scenario_observer
 from tachk.frontend.scope import Scope
 from tachk.model.expressions import Constant, Expression, Index, LocationTest, Reference, Variable
 from tachk.model.query import Expectation, Query
@@ -39,11 +39,11 @@ def elaborate_scenario(
     reader = _ScenarioReader(scope, replace(context, in_query=True))
     steps = [reader.step(clause) for clause in node.clauses if isinstance(clause, ast.ScenarioStep)]
     also = [
-        heard
+        channel
         for clause in node.clauses
         if isinstance(clause, ast.ObservesClause)
-        for channel in clause.channels
-        for heard in reader.heard(channel)
+        for written in clause.channels
+        for channel in reader.channels(written)
     ]
     if not steps:
         context.error("E0460", node.span, f"the scenario `{name}` has no event", "name a channel, as in `press;`")
@@ -76,11 +76,11 @@ class _ScenarioReader:
                 self.context.error("E0461", node.span, "a silence takes no time here", help_)
                 return None
             return ScenarioEvent((), earliest, None, None)
-        heard = tuple(self.heard(node.channel))
+        channels = tuple(self.channels(node.channel))
         value = None if node.condition is None else self._condition(node.condition)
-        if not heard or (node.condition is not None and value is None):
+        if not channels or (node.condition is not None and value is None):
             return None
-        return ScenarioEvent(heard, earliest, latest, value)
+        return ScenarioEvent(channels, earliest, latest, value)
 
     def _time(self, node: ast.ScenarioTime) -> int | None:
         if isinstance(node.amount, int):
@@ -98,7 +98,7 @@ class _ScenarioReader:
             return None
         return int(units)
 
-    def heard(self, node: ast.Expression) -> Iterator[HeardChannel]:
+    def channels(self, node: ast.Expression) -> Iterator[ObservedChannel]:
         """The channel that a name and indices mean, or all of an array."""
         channel = expression(node, self.scope, self.context)
         if channel is None:
@@ -114,7 +114,7 @@ class _ScenarioReader:
             return
         variable, first = place
         for number in range(slot_count(channel.type)):
-            yield HeardChannel(variable, first + number)
+            yield ObservedChannel(variable, first + number)
 
     def _place(self, channel: Expression) -> tuple[Variable, int] | None:
         match channel:
