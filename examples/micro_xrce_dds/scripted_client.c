@@ -22,6 +22,8 @@
  *   sleep MS           the radio is off: nothing is sent, what arrives is gone
  *   pause MS           the program does something else; what arrives waits in the socket
  *   ping MS            ask within the session whether the Agent is there
+ *   obey               do what lines on stdin say, until its end: {"event": "run", "ms": 130, "writes": 1} writes a sample,
+ *                      if the library takes it, runs the session for so long, and is answered by {"event": "returned"}
  *   abandon            end without closing the session
  *   repeat N [ STEP... ]
  *
@@ -56,6 +58,7 @@ static uxrObjectId writer, reader;
 static uint32_t written;
 static uint32_t sample_size = 4;
 static int descriptor;
+static bool silent;
 static char topic_name[40] = "Numbers";
 static uint8_t best_effort_buffer[MTU];
 static uint8_t output_buffer[MTU * MOST_SLOTS], input_buffer[MTU * MOST_SLOTS];
@@ -64,6 +67,7 @@ static void tell(const char* event, const char* name, long value) {
     const uxrOutputReliableStream* out = &session.streams.output_reliable[0];
     struct timespec now;
 
+    if (silent) return;
     clock_gettime(CLOCK_REALTIME, &now);
     printf("{\"time\": %lld, \"event\": \"%s\"", (long long)now.tv_sec * 1000000000LL + now.tv_nsec, event);
     if (name) printf(", \"%s\": %ld", name, value);
@@ -158,6 +162,26 @@ static bool step(const char* name, long number) {
     return true;
 }
 
+/* The number behind a name in a line of JSON, or 0. */
+static long number_in(const char* line, const char* name) {
+    const char* found = strstr(line, name);
+
+    return found ? strtol(found + strlen(name), NULL, 10) : 0;
+}
+
+static void obey(void) {
+    char line[256];
+
+    silent = true;
+    while (fgets(line, sizeof line, stdin)) {
+        if (number_in(line, "\"writes\":")) write_sample();
+        uxr_run_session_timeout(&session, (int)number_in(line, "\"ms\":"));
+        puts("{\"event\": \"returned\"}");
+        fflush(stdout);
+    }
+    silent = false;
+}
+
 static int steps(int count, char** arguments);
 
 /* Does "N [ STEP... ]" N times and gives the number of arguments that it took, or -1. */
@@ -176,6 +200,8 @@ static int steps(int count, char** arguments) {
     for (int i = 0; i < count; i++) {
         if (!strcmp(arguments[i], "write")) {
             if (!write_sample()) tell("refused", "times", 1);
+        } else if (!strcmp(arguments[i], "obey")) {
+            obey();
         } else if (!strcmp(arguments[i], "abandon")) {
             exit(0);
         } else if (!strcmp(arguments[i], "repeat")) {

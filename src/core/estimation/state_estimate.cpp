@@ -159,7 +159,7 @@ Status StateEstimate::explore(std::uint64_t expansions) {
     const std::uint32_t number = exploration.next++;
     const StateSet::Node& node = exploration.reached[number];
     if (node.covered) continue;
-    if (exploration.aim == Aim::end && is_through(node)) {
+    if (exploration.aim == Aim::end && is_through(node.positions)) {
       exploration.found = true;
       break;
     }
@@ -239,6 +239,10 @@ bool StateEstimate::take(std::size_t place, const symbolic::Successor& entry) {
     if (!graph_.operations().intersect(expansion_.zone.get(), graph_.program().dimension(), within, 2)) return false;
     ++position;
   } else {
+    // The environment is the tester, which has seen all of that when it sends the next input.
+    const bool chosen =
+        exploration_.aim == Aim::prediction || (exploration_.aim == Aim::edge && expansion_.lead == none);
+    if (chosen && channel.input && !is_through(expansion_.positions)) return false;
     switch (exploration_.aim) {
       case Aim::present:
         return false;  // it would have been seen
@@ -296,9 +300,9 @@ void StateEstimate::settle(std::int32_t* slots, const std::vector<Atom>& invaria
 }
 
 // Optional events were passed over where that was possible.
-bool StateEstimate::is_through(const StateSet::Node& node) const {
+bool StateEstimate::is_through(const std::vector<std::uint32_t>& positions) const {
   for (std::size_t stream = 0; stream < queues_.size(); ++stream)
-    if (node.positions[stream] < queues_[stream].size()) return false;
+    if (positions[stream] < queues_[stream].size()) return false;
   return true;
 }
 

@@ -172,7 +172,7 @@ class StateEstimate final {
   Window window(zones::ConstZoneRef zone) const;
   void note(std::size_t channel, std::vector<std::int32_t> values, Window window);
   void note_blocked(std::uint32_t number);
-  bool is_through(const StateSet::Node& node) const;
+  bool is_through(const std::vector<std::uint32_t>& positions) const;
   void finish();
   void move_on();
 

@@ -12,7 +12,10 @@ from typing import Any
 
 from tachk.base.optional_packages import MissingPackageError
 
-_ROWS = {"captures": ("tachk.xrce.captures:DDS_XRCE",)}
+_ROWS = {
+    "captures": ("tachk.xrce.captures:DDS_XRCE",),
+    "adapters": ("tachk.xrce.testing.adapters:ADAPTERS",),
+}
 _SEPARATE = {"munta export": "tachk_munta.writer:to_muntax", "munta proofs": "tachk_munta.proofs:write_proofs"}
 
 

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
 @options.definitions
 @click.option(
     "--adapter",
-    metavar="KIND:COMMAND",
+    metavar="KIND:...",
     help="The system. process:COMMAND is a program that reads inputs and writes outputs as JSON lines, in real time; "
-    "driven:COMMAND is one whose clock the test moves on.",
+    "driven:COMMAND is one whose clock the test moves on; tcp:HOST:PORT and udp:HOST:PORT reach one that runs already; "
+    "xrce:client:COMMAND is a program with a client of DDS-XRCE.",
 )
 @click.option(
     "--simulate",
@@ -43,7 +44,10 @@ if TYPE_CHECKING:
     "itself.",
 )
 @click.option(
-    "duration", "--for", metavar="DURATION", default="10s", show_default=True, help="How long to test, such as 10min."
+    "duration",
+    "--for",
+    metavar="DURATION",
+    help="How long to test, such as 10min. By default 10s, or 10000 units of a model without a unit of time.",
 )
 @drawing.seed("The random choice of inputs and moments.")
 @click.option(
@@ -108,7 +112,7 @@ class TestArguments:
     adapter: str | None = None
     simulate: str | None = None
     definitions: tuple[str, ...] = ()
-    duration: str = "10s"
+    duration: str | None = None
     seed: int = DEFAULT_SEED
     pause: str | None = None
     tolerance: str | None = None

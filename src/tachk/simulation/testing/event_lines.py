@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
+from tachk.simulation.testing.system_adapter import SeenOutput
 
 READY, EVENT, TIME, UNTIL = "ready", "event", "time", "until"
 _SHOWN = 80
@@ -56,6 +57,17 @@ def read_line(line: bytes) -> tuple[str | None, Mapping[str, Cell], Fraction | N
         elif cell is not None:
             raise _rejection(line, f"has a `{column}` that is neither a whole number nor a text")
     return name, cells, None if time is None else Fraction(time)
+
+
+def line_output(line: bytes, moment: Fraction) -> SeenOutput:
+    """The output that a program without a clock of its own writes. Raises UsageError for a line that is no event."""
+    name, cells, _ = read_line(line)
+    if name is None:
+        raise UsageError(
+            f"a line of the program has no `{EVENT}`: {line.decode('utf-8', 'replace').strip()}",
+            "a program that answers with times has a clock that is driven: --adapter driven:COMMAND",
+        )
+    return SeenOutput(moment, name, cells)
 
 
 def _decimal(text: str) -> Fraction:

@@ -101,6 +101,16 @@ class FollowedSystem:
     def explored(self) -> int:
         return self._estimate.explored
 
+    def unknown_part(self, event: RecordedEvent) -> str | None:
+        """The event, or the column of it, that no `visible` of the model has, as messages name it; None if all is
+        known."""
+        clauses = [visible for visible in self._mapping.visible if visible.event == event.name]
+        if not clauses:
+            return f"`{event.name}`"
+        known = {name for visible in clauses for name, _ in visible.columns}
+        extra = next((column for column in event.cells if column not in known), None)
+        return None if extra is None else f"`{event.name}` with a column `{extra}`"
+
     def is_input(self, event: RecordedEvent) -> bool:
         """Whether it is an event that the environment sends. Raises UsageError as `observe`."""
         placed = self._reader.place(event)

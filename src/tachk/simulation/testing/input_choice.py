@@ -67,7 +67,7 @@ class RandomInputs:
             for event in allowed.events
             if event.is_input and (windows := list(_moments(event, now, last, self._tolerance, self._late)))
         ]
-        if not inputs or (self._random.random() < _WAITS and not _must_act(allowed)):
+        if not inputs or (self._random.random() < _WAITS and not must_act(allowed)):
             return None
         event, windows = self._random.choice(inputs)
         low, high = self._random.choice(windows)
@@ -99,7 +99,7 @@ class GuidedInputs:
             with suppress(EstimateLimitError):
                 lead = system.lead(covered)
             planned = None if lead is None else self._towards(lead, allowed, now)
-            if planned is not None or (lead is not None and not _must_act(allowed)):
+            if planned is not None or (lead is not None and not must_act(allowed)):
                 return planned
             if lead is None:
                 self._left = -_REST
@@ -145,7 +145,7 @@ class ScriptedInputs:
         self._sent += 1
 
 
-def _must_act(allowed: AllowedNext) -> bool:
+def must_act(allowed: AllowedNext) -> bool:
     """Whether the environment may have to end the silence, since nothing else can."""
     ends = {event.is_input for event in allowed.events if event.windows[-1][1] >= allowed.silent_until}
     return allowed.bounded and ends == {True}

@@ -174,6 +174,9 @@ class ModelledSystem:
         values = {**output.fixed, **noted}
         return dict(with_words(output.visible, ((column, values[column]) for column, _ in output.visible.columns)))
 
+    def waited(self) -> Fraction:
+        return Fraction(0)
+
     def close(self) -> None:
         self._run = None
 

@@ -12,16 +12,19 @@ import shlex
 import subprocess
 import threading
 import time
-from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from glob import glob
+from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
-from tachk.simulation.testing.event_lines import EVENT, READY, event_line, read_line, until_line
+from tachk.simulation.testing.arrivals import Arrival, Arrivals
+from tachk.simulation.testing.event_lines import READY, event_line, line_output, read_line, until_line
+from tachk.simulation.testing.real_time import RealTimeSystem
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemEndedError
 
-_SECONDS_TO_START = 30.0
+_SECONDS_TO_START = 30
 _SECONDS_TO_ANSWER = 30.0
 _SECONDS_TO_READ = 2.0
 _SECONDS_TO_END = 2.0
@@ -41,19 +44,41 @@ def command_of(text: str) -> list[str]:
     return words
 
 
-class _StreamedProgram:
+class StreamedProgram:
     """A process with pipes."""
 
     def __init__(self, command: Sequence[str]) -> None:
         self.command = command
         self.process: subprocess.Popen[bytes] | None = None
+        self._reader: threading.Thread | None = None
+        self._waited = 0
 
-    def spawn(self) -> subprocess.Popen[bytes]:
+    def spawn(self) -> None:
+        """Raises UsageError where it cannot be started."""
         try:
             self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         except OSError as error:
             raise UsageError(f"{self.command[0]} cannot be started: {error.strerror}") from None
-        return self.process
+
+    def read_into(self, arrivals: Arrivals, source: str = "") -> None:
+        """Lets a thread read the lines that the program writes, until it ends."""
+        self._reader = threading.Thread(target=self._read, args=(arrivals, source), daemon=True)
+        self._reader.start()
+
+    def _read(self, arrivals: Arrivals, source: str) -> None:
+        assert self.process is not None and self.process.stdout is not None
+        with self.process.stdout as stdout:
+            while line := stdout.readline(_LONGEST_LINE):
+                arrivals.put(time.monotonic_ns(), line, source)
+        arrivals.end()
+
+    def is_over(self, arrivals: Arrivals) -> bool:
+        """Whether the process has ended although something that it has started holds its stdout open."""
+        assert self.process is not None
+        if self.process.poll() is None or self._reader is None:
+            return False
+        self._reader.join(_SECONDS_AT_ONCE)  # so that all that it has written is read
+        return arrivals.is_empty
 
     def write(self, line: str) -> None:
         """Raises SystemEndedError, also where the pipe is full and stays so."""
@@ -76,7 +101,14 @@ class _StreamedProgram:
         how = f"with status {status}" if status >= 0 else f"by signal {-status}"
         return SystemEndedError(f"{self.command[0]} has ended {how}")
 
-    def end(self, seconds: float, reader: threading.Thread | None = None) -> None:
+    def waited(self) -> int:
+        """Nanoseconds for which its threads, and the one that reads from it, were ready and had no processor."""
+        if self.process is not None and self._reader is not None:
+            tasks = [f"/proc/self/task/{self._reader.native_id}", *glob(f"/proc/{self.process.pid}/task/*")]
+            self._waited = max(sum(map(_waited, tasks)), self._waited)
+        return self._waited
+
+    def end(self, seconds: float) -> None:
         """Ends the process, which has so many seconds to end by itself, and the thread that reads from it."""
         process = self.process
         if process is None:
@@ -90,10 +122,10 @@ class _StreamedProgram:
         finally:  # also where the user interrupts the wait
             process.kill()
             process.wait()
-        if reader is None:
+        if self._reader is None:
             process.stdout.close()
         else:  # which closes the pipe; a process that is left behind may hold the other end for long
-            reader.join(_SECONDS_AT_ONCE)
+            self._reader.join(_SECONDS_AT_ONCE)
 
     def not_ready(self) -> UsageError:
         return UsageError(
@@ -102,76 +134,50 @@ class _StreamedProgram:
         )
 
 
-class RealTimeProgram:
+def _waited(task: str) -> int:
+    """Of a thread of Linux; 0 where it has ended, or on another system."""
+    try:
+        return int(Path(task, "schedstat").read_text(encoding="ascii").split()[1])
+    except (OSError, ValueError, IndexError):
+        return 0
+
+
+class RealTimeProgram(RealTimeSystem):
     """A program that runs by the clock of the wall. Its first line is ``{"event": "ready"}``: the model starts then."""
 
     def __init__(self, command: Sequence[str], nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        self._program = _StreamedProgram(command)
-        self._nanoseconds = nanoseconds
-        self._begun = 0
-        self._seen: deque[tuple[int, bytes]] = deque()
-        self._over = False
-        self._change = threading.Condition()
-        self._reader: threading.Thread | None = None
+        super().__init__(nanoseconds)
+        self.program = StreamedProgram(command)
 
     def start(self) -> None:
-        process = self._program.spawn()
-        self._reader = threading.Thread(target=self._read, args=(process,), daemon=True)
-        self._reader.start()
-        with self._change:
-            self._change.wait_for(lambda: self._seen or self._over, _SECONDS_TO_START)
-            first = self._seen.popleft() if self._seen else None
-        if first is None or read_line(first[1])[0] != READY:
-            raise self._program.not_ready()
-        self._begun = first[0]
-
-    def _read(self, process: subprocess.Popen[bytes]) -> None:
-        assert process.stdout is not None
-        with process.stdout as stdout:
-            while line := stdout.readline(_LONGEST_LINE):
-                with self._change:
-                    self._seen.append((time.monotonic_ns(), line))
-                    self._change.notify()
-        with self._change:
-            self._over = True
-            self._change.notify()
-
-    def time(self) -> Fraction:
-        return self._units(time.monotonic_ns())
-
-    def _units(self, moment: int) -> Fraction:
-        return (moment - self._begun) / self._nanoseconds
+        self.program.spawn()
+        self.program.read_into(self.arrivals)
+        first = self.arrivals.next(time.monotonic_ns() + _SECONDS_TO_START * 10**9)
+        if first is None or read_line(first.octets)[0] != READY:
+            raise self.program.not_ready()
+        self.begin(first.moment)
 
     def send(self, name: str, cells: Mapping[str, Cell]) -> Fraction:
         sent = time.monotonic_ns()
-        self._program.write(event_line(name, cells))
-        return self._units(sent)
+        self.program.write(event_line(name, cells))
+        return self.units(sent)
 
-    def next_output(self, until: Fraction) -> SeenOutput | None:
-        last = self._begun + int(until * self._nanoseconds)
-        with self._change:
-            while not self._seen:
-                if self._over:
-                    raise self._program.ended()
-                left = last - time.monotonic_ns()
-                if left <= 0:
-                    return None  # what is read from now on is later
-                self._change.wait(left / 1e9)
-            moment, line = self._seen.popleft()
-        name, cells, _ = read_line(line)
-        if name is None:
-            raise UsageError(
-                f"a line of the program has no `{EVENT}`: {line.decode('utf-8', 'replace').strip()}",
-                "a program that answers with times has a clock that is driven: --adapter driven:COMMAND",
-            )
-        return SeenOutput(self._units(moment), name, cells)
+    def outputs(self, arrival: Arrival) -> Iterator[SeenOutput]:
+        yield line_output(arrival.octets, self.units(arrival.moment))
+
+    def check(self) -> None:
+        if self.arrivals.is_over or self.program.is_over(self.arrivals):
+            raise self.program.ended()
+
+    def waited(self) -> Fraction:
+        return self.duration(self.program.waited())
 
     def close(self) -> None:
-        self._program.end(_SECONDS_TO_END, self._reader)
+        self.program.end(_SECONDS_TO_END)
 
     def abandon(self) -> None:
-        self._program.end(_SECONDS_AT_ONCE, self._reader)
+        self.program.end(_SECONDS_AT_ONCE)
 
 
 class DrivenProgram:
@@ -182,7 +188,7 @@ class DrivenProgram:
     """
 
     def __init__(self, command: Sequence[str]) -> None:
-        self._program = _StreamedProgram(command)
+        self._program = StreamedProgram(command)
         self._now = Fraction(0)
         self._read = b""
 
@@ -218,7 +224,8 @@ class DrivenProgram:
         line = self._line()
         if not line:
             raise self._program.ended()
-        name, cells, moment = read_line(line)
+        name, cells, said = read_line(line)
+        moment = next((each for each in (until, self._now) if said is not None and float(each) == float(said)), said)
         if moment is None or not self._now <= moment <= until:
             raise UsageError(
                 f"the program answers {line.decode('utf-8', 'replace').strip()}, which has no `time` from "
@@ -227,6 +234,9 @@ class DrivenProgram:
             )
         self._now = moment if name is not None else until
         return None if name is None else SeenOutput(moment, name, cells)
+
+    def waited(self) -> Fraction:
+        return Fraction(0)
 
     def close(self) -> None:
         self._program.end(_SECONDS_TO_END)

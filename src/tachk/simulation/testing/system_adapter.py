@@ -44,6 +44,9 @@ class SystemAdapter(Protocol):
         """The next output. None when that time has come and all earlier outputs have been given. Raises
         SystemEndedError, UsageError for what is no event."""
 
+    def waited(self) -> Fraction:
+        """How long the operating system has let the system wait for a processor so far; 0 where that is not known."""
+
     def close(self) -> None:
         """Ends the system after a test."""
 

@@ -19,6 +19,9 @@ from tachk.simulation.testing.shortening import Shortening, shorten
 from tachk.simulation.testing.system_adapter import SystemAdapter
 from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
 
+_SECONDS, _UNITS = "10s", "10000"
+"""The duration of a test if none is wanted, of models with and without a unit of time."""
+
 
 @dataclass(frozen=True, slots=True)
 class TestRequest:
@@ -26,14 +29,15 @@ class TestRequest:
 
     Attributes:
         adapter: the system, as `--adapter` names it; or a model, whose processes stand for the system.
-        duration, pause, tolerance, late: durations such as ``5ms``; None: as the model says.
+        duration: such as ``5ms``; None: 10 s, or 10,000 units of a model that does not say how long a unit is.
+        pause, tolerance, late: durations; None: as the model says.
         shorten: for so many seconds shorter tests that fail are looked for if a test fails.
     """
 
     __test__ = False
 
     adapter: str | LoadedModel
-    duration: str
+    duration: str | None = None
     seed: int = 0
     tolerance: str | None = None
     late: str | None = None
@@ -70,7 +74,7 @@ def run_test_of_model(
     tolerance = mapping.tolerance if request.tolerance is None else duration(request.tolerance, unit)
     late = mapping.late if request.late is None else duration(request.late, unit)
     settings = TestSettings(
-        duration(request.duration, unit),
+        duration(request.duration or (_SECONDS if unit else _UNITS), unit),
         request.seed,
         tolerance,
         tolerance if late is None else late,

@@ -9,11 +9,12 @@ and judged again from its recording by the search of `tachk conform`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from enum import StrEnum
 from fractions import Fraction
 from math import ceil
 
-from tachk.base.diagnostics.diagnostic import InternalError
+from tachk.base.diagnostics.diagnostic import InternalError, UsageError
 from tachk.base.job import check_job
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
@@ -25,10 +26,12 @@ from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
 from tachk.simulation.testing.goals import TestGoal
-from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs
+from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs, must_act
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemAdapter, SystemEndedError
 
+_EXCUSE = 4
+"""So many times as long as it may be late a system goes on after a failure, to see whether it had to wait."""
 _AT_ONCE = 1_000
 """The largest number of outputs at the same time."""
 
@@ -134,7 +137,8 @@ class TestRun:
     Attributes:
         sent: the inputs.
         is_as_modelled: the system did what the model allows.
-        others: as of `TestResult`.
+        waited: for a processor, shortly before the end.
+    others: as of `TestResult`.
     """
 
     __test__ = False
@@ -145,6 +149,8 @@ class TestRun:
     is_as_modelled: bool
     allowed: AllowedNext | None
     reason: str
+    overdue: str
+    waited: Fraction
     states: int
     explored: int
     covered: frozenset[int]
@@ -183,7 +189,13 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
             raise InternalError("the recording of a test that passed is not a run of the model")
         if verdict is TestVerdict.FAIL and found.accepted is True:
             verdict = TestVerdict.INCONCLUSIVE
-            reason = "the system did what the environment of the model does not expect"
+            reason = run.overdue or "the system did what the environment of the model does not expect"
+        if verdict is TestVerdict.FAIL and run.waited > settings.late:
+            verdict = TestVerdict.INCONCLUSIVE
+            reason = (
+                f"the system had to wait for a processor for {float(run.waited):.0f} {model.network.time_unit}, "
+                "longer than it may be late: the machine is too busy"
+            )
     allowed = run.allowed if verdict is TestVerdict.FAIL else None
     return TestResult(
         verdict,
@@ -214,6 +226,7 @@ class _TestUnderWay:
         self.known = Fraction(0)
         self.events: list[RecordedEvent] = []
         self.sent: list[RecordedEvent] = []
+        self.waits: list[tuple[Fraction, Fraction]] = []
         self.states = 1
         self.reason = ""
         self.is_as_modelled = True
@@ -226,6 +239,8 @@ class _TestUnderWay:
                 pass
             if self.is_as_modelled:
                 self.is_as_modelled = self.followed.ends_as_modelled(self.known)
+            if not self.is_as_modelled:
+                self._wait_for_excuse()
         except EstimateLimitError as limit:
             self.reason = f"the states in which the system may be cannot be computed: {limit}"
         except SystemEndedError as ended:
@@ -234,6 +249,7 @@ class _TestUnderWay:
     def _step(self) -> bool:
         """Waits for an output, or sends an input. False when the test is over."""
         check_job()
+        self.waits.append((self.known, self.system.waited()))
         self.followed.advance(self.known)
         self.is_as_modelled = self.followed.is_as_modelled
         if not self.is_as_modelled or self.known >= self.settings.duration:
@@ -273,7 +289,11 @@ class _TestUnderWay:
         raise SystemEndedError(f"the system sends {_AT_ONCE} outputs at the same time")
 
     def _note_output(self, seen: SeenOutput) -> None:
-        if self.followed.is_input(RecordedEvent(seen.time, seen.name, seen.cells, f"event {len(self.events) + 1}")):
+        event = RecordedEvent(seen.time, seen.name, seen.cells, f"event {len(self.events) + 1}")
+        unknown = self.followed.unknown_part(event)
+        if unknown is not None:
+            raise SystemEndedError(f"the system sends {unknown}, which the recording of the model does not show")
+        if self.followed.is_input(event):
             raise SystemEndedError(f"the system sends `{seen.name}`, which is an input of it in the model")
         self._note(seen.time, seen.name, seen.cells)
 
@@ -282,6 +302,31 @@ class _TestUnderWay:
         self.events.append(event)
         self.followed.observe(event)
         return event
+
+    def _wait_for_excuse(self) -> None:
+        """Lets the system go on: that it has to wait for a processor is counted when it has got one."""
+        last = self.system.time() + _EXCUSE * (self.settings.tolerance + self.settings.late)
+        with suppress(SystemEndedError, UsageError):
+            for _ in range(_AT_ONCE):
+                if self.system.next_output(last) is None:
+                    break
+        self.waits.append((self.known, self.system.waited()))
+
+    def _waited(self) -> Fraction:
+        """The time for which the system waited for a processor while it came to what is the last event."""
+        begin = self.known - self.pause - 2 * (self.settings.tolerance + self.settings.late)
+        before = [waited for known, waited in self.waits if known <= begin]
+        return self.waits[-1][1] - (before[-1] if before else self.waits[0][1]) if self.waits else Fraction(0)
+
+    def _overdue(self) -> str:
+        """Which input had to end a silence that lasted too long; empty if none had."""
+        if self.is_as_modelled or self.allowed is None or not must_act(self.allowed):
+            return ""
+        names = sorted({event.name for event in self.allowed.events if event.is_input})
+        return (
+            f"the environment of the model must send `{'` or `'.join(names)}` by {self.allowed.silent_until}, "
+            "and the test was too late for that: give it more time in the model"
+        )
 
     def outcome(self) -> TestRun:
         end = max([self.known, *(event.time for event in self.events)])
@@ -294,6 +339,8 @@ class _TestUnderWay:
             self.is_as_modelled,
             self.allowed,
             self.reason,
+            self._overdue(),
+            self._waited(),
             self.states,
             self.followed.explored,
             self.followed.covered,

@@ -40,7 +40,6 @@ class Bridge:
         self.to_agent = self._out % 2 == 0
         reads = self.to_agent and f"deliver[{self._out + 1}][0]" in part.receives and not _writes(part)
         self._session = ClientSession(key, topic, reads) if self.to_agent else AgentSession()
-        self._translator = Translator(self.to_agent, self._session.before)
         self._begin: int | None = None
         self.ignored = 0
 
@@ -63,6 +62,7 @@ class Bridge:
             return self._session.due(now)
         if self._begin is None:
             self._begin = now
+            self._translator = Translator(self.to_agent, self._session.before)
         return self._packets(self._part.advance(now - self._begin))
 
     def arrived(self, octets: bytes) -> list[bytes]:

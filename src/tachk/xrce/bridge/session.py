@@ -94,16 +94,15 @@ class ClientSession:
 
 
 class AgentSession:
-    """The Agent's side: it answers.
+    """The Agent's side: it answers, and confirms what it has got before it reports on it.
 
     Attributes:
         before: messages of the own stream, and of the client's, with which the session has begun.
     """
 
-    before = (4, 1)
-
     def __init__(self) -> None:
         self.is_open = False
+        self.before = (0, 0)
 
     def wake(self) -> int | None:
         return None
@@ -117,17 +116,21 @@ class AgentSession:
             peer = {"version": _VERSION, "vendor": _VENDOR}
             agent = {"peer": peer, "has_properties": False, "properties": None}
             return [message(SubmessageKind.STATUS_AGENT, {"result": _FINE, "agent": agent})]
-        created = [event for event in found if event.kind is SubmessageKind.CREATE]
+        created = [event for event in found if event.kind is SubmessageKind.CREATE and event.sequence is not None]
         if not created:
             return []
+        sequence = created[0].sequence
+        assert sequence is not None
+        if sequence >= self.before[1]:  # it may come again, and more may be created
+            self._first, self.before = self.before[0], (self.before[0] + len(created), sequence + 1)
         self.is_open = True
-        reply = []
-        for sequence, event in enumerate(created):
+        reply = [message(SubmessageKind.ACKNACK, {"first": self.before[1], "bitmap": 0, "subject": STREAM})]
+        for number, event in enumerate(created, self._first):
             request, name = event.fields["request"], event.fields["object"]
             assert isinstance(request, int) and isinstance(name, str)
             base = {"request": request.to_bytes(2, "big"), "object": bytes.fromhex(name)}
-            reply.append(message(SubmessageKind.STATUS, {"base": base, "result": _FINE}, STREAM, sequence))
-        return [*reply, message(SubmessageKind.ACKNACK, {"first": 1, "bitmap": 0, "subject": STREAM})]
+            reply.append(message(SubmessageKind.STATUS, {"base": base, "result": _FINE}, STREAM, number))
+        return reply
 
 
 _FINE = {"status": 0, "implementation": 0}

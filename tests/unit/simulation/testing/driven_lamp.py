@@ -17,7 +17,7 @@ def main() -> None:
         if "event" in row:
             due = row["time"] + delay if due is None else due
         elif due is not None and due <= row["until"]:
-            answer(time=due, event="light", on=1)
+            answer(time=due, event="light")
             due = None
         else:
             answer(time=row["until"])

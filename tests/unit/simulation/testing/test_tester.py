@@ -18,6 +18,7 @@ from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.program_system import RealTimeProgram
 from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
 from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
 from tests.support.seeds import seeds
@@ -202,3 +203,67 @@ def test_guided_inputs_open_a_lock_that_random_ones_do_not() -> None:
             if goal is TestGoal.EDGES:
                 assert result.covered == 6
     assert opened == {TestGoal.RANDOM: 0, TestGoal.EDGES: 6}
+
+
+IN_TURN = """time_unit = 1 ms;
+broadcast chan ask, order;
+broadcast chan answer, deliver;
+process Server() {
+    init location Idle {
+        to Asked { sync ask?; }
+        to Ordered { sync order?; }
+    }
+    urgent location Asked { to Idle { sync answer!; } }
+    urgent location Ordered { to Idle { sync deliver!; } }
+}
+process Client() {
+    init location Idle {
+        to Waiting { sync ask!; }
+        to Hoping { sync order!; }
+    }
+    location Waiting { to Idle { sync answer?; } }
+    location Hoping { to Idle { sync deliver?; } }
+}
+system Server, Client;
+recording {
+    replaces Client;
+    visible ask as ask();
+    visible order as order();
+    visible answer as answer();
+    visible deliver as deliver();
+    tolerance 0;
+    late 40;
+}
+"""
+
+
+def test_next_input_follows_what_was_sent_and_seen() -> None:
+    """Inputs of two streams may overtake each other on their way. The environment that chose one has sent the other."""
+    model = tachk.loads(IN_TURN)
+    for seed in seeds(range(8)):
+        result = outcome_of(model, IN_TURN, seed)
+        assert result.verdict is TestVerdict.PASS, seed
+        names = [event.name for event in result.recording.events]
+        assert all(name in {"ask", "order"} for name in names[::2])
+
+
+def test_failure_of_a_system_that_had_to_wait_is_inconclusive(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine is no fault of the system. What waits for no longer than it may be late fails."""
+    late = tachk.loads(LAMP.replace("invariant x <= 5", "invariant x <= 90"))
+    waits = iter(range(0, 10_000, 50))
+    monkeypatch.setattr(ModelledSystem, "waited", lambda system: Fraction(next(waits)))
+    result = outcome_of(late, late="2ms")
+    assert result.verdict is TestVerdict.INCONCLUSIVE
+    assert "had to wait for a processor for" in result.reason
+    monkeypatch.setattr(ModelledSystem, "waited", lambda system: Fraction(10_000))
+    assert outcome_of(late, late="2ms").verdict is TestVerdict.FAIL
+
+
+@pytest.mark.skipif(not Path("/proc/self/schedstat").exists(), reason="only Linux counts it")
+def test_time_for_which_a_program_waits_is_counted() -> None:
+    system = RealTimeProgram([sys.executable, str(DRIVEN), "1"], Fraction(1))
+    system.start()
+    first = system.waited()
+    assert 0 < first <= system.waited()
+    system.close()
+    assert system.waited() >= first, "it has ended"

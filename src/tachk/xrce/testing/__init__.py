@@ -1,0 +1,1 @@
+"""Real clients and Agents of DDS-XRCE as systems under test."""
