@@ -6,8 +6,13 @@ one may be after the same events (a subset construction).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import cache, reduce
+from operator import or_
 from random import Random
+
+import networkx as nx
 
 from tests.unit.recordings.conformance.small_models import (
     KEYS,
@@ -21,8 +26,6 @@ from tests.unit.recordings.conformance.small_models import (
 
 LENGTH = 14
 """Time units of a test."""
-
-Set = frozenset[Place]
 
 
 def mutated_machine(random: Random, machine: Machine) -> Machine:
@@ -56,58 +59,108 @@ def mutated_machine(random: Random, machine: Machine) -> Machine:
             return replace(machine, invariants=(*machine.invariants[:number], bound, *machine.invariants[number + 1 :]))
 
 
+def is_zeno(machine: Machine) -> bool:
+    """True if the machine may act without end in no time: round a cycle that resets no clock, or waits nowhere."""
+    own = [edge for edge in machine.edges if edge.label in ("", "out")]
+    return any(
+        not nx.is_directed_acyclic_graph(nx.MultiDiGraph((edge.source, edge.target) for edge in edges))
+        for edges in ([e for e in own if not e.resets], [e for e in own if e.low == 0])
+    )
+
+
 def can_be_distinguished(model: Machine, system: Machine) -> bool:
     """Whether the system can do something at a whole time up to the length of a test that the model cannot."""
-    start = (Place(), _closed(model, frozenset({Place()})))
-    present, now = {start}, 0
-    while True:
-        pending = list(present)
-        while pending:
-            place, expected = pending.pop()
-            for after, others in _events(model, system, place, expected):
-                if not others:
+    expected, actual = _SetsOfPlaces(model), _Successors(system)
+    start = (Place(), expected.closed(1))
+    seen, present = {start}, [start]
+    for now in range(LENGTH + 1):
+        reached = []
+        while present:
+            place, others = present.pop()
+            reached.append((place, others))
+            for after, possible in _events(expected, actual, place, others):
+                if not possible:
                     return True
-                if (after, others) not in present:
-                    present.add((after, others))
-                    pending.append((after, others))
+                if (after, possible) not in seen:
+                    seen.add((after, possible))
+                    present.append((after, possible))
         if now == LENGTH:
             return False
-        following = set()
-        for place, expected in present:
-            passed = after_a_unit((system,), (place,))
+        for place, others in reached:
+            passed = actual.later(place)
             if passed is None:
                 continue
-            others = frozenset(after[0] for each in expected if (after := after_a_unit((model,), (each,))) is not None)
-            if not others:
+            possible = expected.later(others)
+            if not possible:
                 return True
-            following.add((passed[0], _closed(model, others)))
-        present, now = following, now + 1
+            if (passed, possible) not in seen:
+                seen.add((passed, possible))
+                present.append((passed, possible))
+    return False
 
 
-def _events(model: Machine, system: Machine, place: Place, expected: Set):  # type: ignore[no-untyped-def]
-    for _, after in moves(system, place, ""):
-        yield after, expected
-    for edge, after in moves(system, place, "out"):
-        others = (
-            other
-            for each in expected
-            for same, other in moves(model, each, "out", edge.key)
-            if same.number == edge.number
-        )
-        yield after, _closed(model, frozenset(others))
+def _events(expected: _SetsOfPlaces, actual: _Successors, place: Place, others: int) -> Iterator[tuple[Place, int]]:
+    for after in actual.internal(place):
+        yield after, others
+    for key, number, after in actual.outputs(place):
+        yield after, expected.output(others, key, number)
     for key in range(KEYS):
-        received = _closed(model, frozenset(other for each in expected for other in hears(model, each, key)))
+        received = expected.input(others, key)
         if received:  # else the environment cannot send it
-            for after in hears(system, place, key):
+            for after in actual.input(place, key):
                 yield after, received
 
 
-def _closed(machine: Machine, places: Set) -> Set:
-    """With what is reached by internal steps in no time."""
-    found, pending = set(places), list(places)
-    while pending:
-        for _, after in moves(machine, pending.pop(), ""):
-            if after not in found:
-                found.add(after)
-                pending.append(after)
-    return frozenset(found)
+class _Successors:
+    """What a machine may do in each place, computed once."""
+
+    def __init__(self, machine: Machine) -> None:
+        def later(place: Place) -> Place | None:
+            passed = after_a_unit((machine,), (place,))
+            return None if passed is None else passed[0]
+
+        self.internal = cache(lambda place: [after for _, after in moves(machine, place, "")])
+        self.outputs = cache(lambda place: [(e.key, e.number, after) for e, after in moves(machine, place, "out")])
+        self.input = cache(lambda place, key: hears(machine, place, key))
+        self.later = cache(later)
+
+
+class _SetsOfPlaces:
+    """The same of sets of places, with what is reached by internal steps in no time. A set is a number, whose bits
+    stand for places."""
+
+    def __init__(self, machine: Machine) -> None:
+        single = _Successors(machine)
+
+        def joined(places: Iterable[Place]) -> int:
+            return reduce(or_, (1 << _number(place) for place in places), 0)
+
+        def of_all(some: int, successors: Callable[[Place], Iterable[Place]]) -> int:
+            return closed(reduce(or_, (joined(successors(place)) for place in _places(some)), 0))
+
+        @cache
+        def closed(some: int) -> int:
+            found = some | reduce(or_, (joined(single.internal(place)) for place in _places(some)), 0)
+            return found if found == some else closed(found)
+
+        self.closed = closed
+        self.output = cache(
+            lambda some, key, number: of_all(
+                some, lambda place: [a for k, n, a in single.outputs(place) if (k, n) == (key, number)]
+            )
+        )
+        self.input = cache(lambda some, key: of_all(some, lambda place: single.input(place, key)))
+        self.later = cache(
+            lambda some: of_all(some, lambda place: [] if (after := single.later(place)) is None else [after])
+        )
+
+
+def _number(place: Place) -> int:
+    return place.location * (LONGEST + 1) + place.clock
+
+
+def _places(some: int) -> Iterator[Place]:
+    while some:
+        number = (some & -some).bit_length() - 1
+        yield Place(*divmod(number, LONGEST + 1))
+        some &= some - 1

@@ -50,7 +50,7 @@ struct Present {
   const LocationTables& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
   std::size_t processes() const { return program.processes.size(); }
   bool random_delays() const {
-    return policy == Policy::stochastic || policy == Policy::uniform || policy == Policy::boundary;
+    return policy == Policy::stochastic || policy == Policy::uniform;
   }
 
   bool may_hold(const FirstTest& first_test) const { return first_test.may_hold(values.slots.data()); }

@@ -44,6 +44,12 @@ Ticks next_opening(Present& present, std::uint32_t number, Window own) {
   return first;
 }
 
+// True if guards allow the edge now, so that only a target invariant can forbid it.
+bool is_open(Present& present, std::uint32_t number) {
+  const Condition& guard = present.program.edges[number].guard;
+  return present.holds(guard) && next_opening(present, number, present.window(guard, present.now)) == present.now;
+}
+
 }  // namespace
 
 void Openings::add(Window window, bool urgent) {
@@ -102,8 +108,7 @@ void Race::park(Present& present, std::size_t process) {
     if (!present.may_hold(first_test)) continue;
     const Condition& guard = present.program.edges[number].guard;
     if (!present.integers_hold(guard)) continue;
-    const bool forbidden = present.program.edges[number].internal() && present.holds(guard);
-    const Ticks later = forbidden && !present.random_delays() ? present.unit() / retries : 1;
+    const Ticks later = !present.random_delays() && is_open(present, number) ? present.unit() / retries : 1;
     const Window own = present.window(guard, present.now + later);
     if (own.empty()) continue;
     const Ticks opening = next_opening(present, number, own);
