@@ -115,3 +115,22 @@ def test_a_unit_whose_end_is_known_goes_as_far(version: FmiVersion, tmp_path: Pa
     assert result["time"][-1] == 600
     assert result["transitions"][-1] in (9, 10)
     assert [int(n) for n in result["n"]][1:19:2] == [n % 7 for n in range(9)]
+
+
+@pytest.mark.parametrize("policy", ["earliest", "latest", "boundary", "uniform", "stochastic"])
+def test_what_a_target_forbids_does_not_stop_time(policy: str) -> None:
+    """The broadcast of L1 that leads to L0 is never possible: the clock is beyond the invariant there."""
+    model = tachk.loads("""
+broadcast chan say;
+process P() {
+    clock x;
+    init location L0 { invariant x <= 2; to L1 { guard x >= 2; sync say!; assign x = 0; } }
+    location L1 {
+        to L1 { guard x >= 4 && x <= 5; sync say!; assign x = 0; }
+        to L0 { guard x >= 3; sync say!; }
+    }
+}
+system P;
+""")
+    for run in tachk.simulate(model, until=100, runs=5, policy=policy):
+        assert run.ending is SimulationEnding.HORIZON
