@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _STATES = 200_000
 """So many states the check of the events of a run stores at most, unless `--max-states` says otherwise."""
 
-COVERAGES = ("edges", "locations")
+COVERAGES = ("edges", "locations", "pairs")
 
 
 @click.command(name="tests")
@@ -37,7 +37,8 @@ COVERAGES = ("edges", "locations")
     type=click.Choice(COVERAGES),
     default=COVERAGES[0],
     show_default=True,
-    help="What the runs cover together, in each process. edges: each edge is taken; locations: each is visited.",
+    help="What the runs cover together, in each process. edges: each edge is taken; locations: each is visited; "
+    "pairs: each edge is taken right after each edge before it.",
 )
 @click.option(
     "folder",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from tachk.engine.edge_paths import Place
 from tachk.model.network import Network
 from tachk.model.quantity import duration, grouped
-from tachk.report.covering.names import counted, place_text, size_text
+from tachk.report.covering.names import KINDS, counted, place_text, size_text
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.suite import CoveringSuite
 
@@ -26,13 +26,12 @@ def suite_to_text(network: Network, suite: CoveringSuite, model: str, files: Seq
 
 def _lines(network: Network, suite: CoveringSuite, model: str, files: Sequence[str]) -> Iterator[str]:
     yield f"{model}: {size_text(suite)}"
-    what = suite.coverage.value.removesuffix("s")
+    what, done = KINDS[suite.coverage]
     for number, each in enumerate(suite.runs):
         name = files[number] if files else f"run {number + 1}"
         end = duration(each.run.states[-1].time, network.time_unit)
         steps = counted(len(each.run.path), "step")
         yield f"  {name}: {steps}, to {end}, {counted(len(each.new), f'more {what}')}"
-    done = "taken" if suite.coverage is Coverage.EDGES else "visited"
     yield from _missing(network, suite.coverage, f"cannot be {done}", suite.impossible)
     yield from _missing(network, suite.coverage, "unknown", suite.unknown)
 

@@ -18,25 +18,28 @@ class Coverage(StrEnum):
     """Each edge is taken."""
     LOCATIONS = "locations"
     """Each location is visited."""
+    PAIRS = "pairs"
+    """Each edge is taken first, and right after each edge before it. These are the edges of the network that
+    `tachk.transform.unfolded_edges` makes: it stands for the network in all functions here."""
 
     def all(self, network: Network) -> frozenset[Place]:
         """All that is to be covered."""
         parts = (
-            (number, len(process.edges if self is Coverage.EDGES else process.locations))
+            (number, len(process.locations if self is Coverage.LOCATIONS else process.edges))
             for number, process in enumerate(network.processes)
         )
         return frozenset((number, place) for number, count in parts for place in range(count))
 
     def at_start(self, network: Network) -> frozenset[Place]:
         """What every run covers."""
-        if self is Coverage.EDGES:
+        if self is not Coverage.LOCATIONS:
             return frozenset()
         return frozenset((number, process.initial) for number, process in enumerate(network.processes))
 
     def by_edge(self, network: Network, edge: Place) -> Place:
         """What is covered where an edge is taken."""
         number, place = edge
-        return edge if self is Coverage.EDGES else (number, network.processes[number].edges[place].target)
+        return (number, network.processes[number].edges[place].target) if self is Coverage.LOCATIONS else edge
 
     def by_path(self, network: Network, path: Iterable[Transition]) -> frozenset[Place]:
         """What is covered by a run with these transitions."""

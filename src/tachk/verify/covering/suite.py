@@ -32,6 +32,7 @@ from tachk.model.network import Network
 from tachk.model.query import Query
 from tachk.model.run import TimedTrace, Transition
 from tachk.model.selections import check_selections
+from tachk.transform.unfolded_edges import UnfoldedNetwork, unfolded_by_edges
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.covering_paths import covering_paths
 from tachk.verify.covering.single_search import search_for
@@ -101,8 +102,24 @@ def covering_suite(
     in half of the time, each with the same share of what is left. Every run has been replayed by `tachk.meaning.judge`.
 
     Raises InputError where the initial state violates an invariant, UnsupportedError for a network that cannot be
-    checked.
+    checked, and UsageError for pairs of edges where something depends on the location of a process.
     """
+    if coverage is Coverage.PAIRS:
+        unfolded = unfolded_by_edges(network)
+        suite = _covering_suite(unfolded.network, coverage, options, limits)
+        return replace(suite, runs=tuple(_lifted(unfolded, each) for each in suite.runs))
+    return _covering_suite(network, coverage, options, limits)
+
+
+def _lifted(unfolded: UnfoldedNetwork, covering: CoveringRun) -> CoveringRun:
+    """Raises InternalError if the run is none of the network itself."""
+    run = unfolded.lift(covering.run)
+    if run is None:
+        raise InternalError("a run found for pairs of edges is no run of the network")
+    return replace(covering, run=run)
+
+
+def _covering_suite(network: Network, coverage: Coverage, options: Options, limits: Limits) -> CoveringSuite:
     check_selections(network)
     check_supported(network, Query("", QueryKind.POSSIBLY, Constant(1, BOOL)))
     model = prepare(network)
@@ -182,7 +199,7 @@ class _CoveringSearch:
         self.covered |= covered
 
     def _note_false_guards(self) -> None:
-        if self.coverage is Coverage.EDGES:
+        if self.coverage is not Coverage.LOCATIONS:
             off = switched_off(self.network, known_values(self.network, []))
             self.impossible |= dict.fromkeys(off - self.covered, Impossibility.FALSE_GUARD)
 
@@ -212,7 +229,7 @@ class _CoveringSearch:
             with unhurried():
                 self._add(verdict.trace.path, exact=True)
         elif verdict.answer is Answer.FAILS:
-            edges = self.coverage is Coverage.EDGES
+            edges = self.coverage is not Coverage.LOCATIONS
             self.impossible[place] = Impossibility.NEVER_TAKEN if edges else Impossibility.NEVER_VISITED
         else:
             self.unknown[place] = verdict.reason or (verdict.unsupported.message if verdict.unsupported else "")

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.diagnostics.diagnostic import InputError, UsageError
 from tachk.engine.edge_paths import Place
 from tachk.engine.options import Limits, Options
 from tachk.engine.zone_graph import ZoneGraph, zone_graph
@@ -21,6 +21,7 @@ from tachk.model.builder import NetworkBuilder
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import TimedState
+from tachk.transform.unfolded_edges import unfolded_by_edges
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.single_search import search_for
 from tachk.verify.covering.suite import CoveringSuite, Impossibility, covering_suite
@@ -64,6 +65,29 @@ def edges_in_regions(network: Network) -> set[Place] | None:
     return taken if len(passed) <= _MOST else None
 
 
+def pairs_in_regions(network: Network) -> set[tuple[int, int | None, int]] | None:
+    """Each process with each edge that it takes, and the one that it took before, by the same visits."""
+    model = prepare(network)
+    normalised, next_delay = region_steps(network, [])
+    taken: set[tuple[int, int | None, int]] = set()
+    passed: set[object] = set()
+    start: tuple[int | None, ...] = (None,) * len(network.processes)
+    waiting: deque[tuple[TimedState | None, tuple[int | None, ...]]] = deque([(initial_state(model), start)])
+    while waiting and len(passed) <= 4 * _MOST:
+        state, last = waiting.popleft()
+        if state is None or (key := (state.discrete, normalised(state.clocks), last)) in passed:
+            continue
+        passed.add(key)
+        clocks = normalised(state.clocks)
+        state = TimedState(state.discrete, clocks, state.time)
+        for transition, after in successors(model, state):
+            own = {each.process: each.edge for each in transition.participants}
+            taken.update((process, last[process], edge) for process, edge in own.items())
+            waiting.append((after, tuple(own.get(process, before) for process, before in enumerate(last))))
+        waiting.append((delayed(model, state, next_delay(clocks)), last))
+    return taken if len(passed) <= 4 * _MOST else None
+
+
 def check_suite(network: Network, suite: CoveringSuite) -> None:
     """What must be so of every suite: its runs are runs, and each place is covered, impossible or unknown."""
     model = prepare(network)
@@ -103,12 +127,40 @@ def test_all_edges_that_can_be_taken_are_taken(shape: str) -> None:
     assert enough(untaken > 3)
 
 
+def test_all_pairs_of_edges_that_can_be_taken_are_taken() -> None:
+    compared = untaken = 0
+    for seed in seeds(range(20)):
+        network = random_case(Random(seed), SHAPES["small"]).network
+        with suppress(InputError, StepError, EvaluationFault, UsageError):
+            expected = pairs_in_regions(network)
+            if expected is None:
+                continue
+            suite, unfolded = covering_suite(network, Coverage.PAIRS), unfolded_by_edges(network)
+            found = set()
+            for each in suite.runs:
+                replay(prepare(network), each.run)
+                last: dict[int, int] = {}
+                own = set()
+                for transition in each.run.path:
+                    for part in transition.participants:
+                        own.add((part.process, last.get(part.process), part.edge))
+                        last[part.process] = part.edge
+                pairs = ((process, unfolded.pairs[process][number]) for process, number in each.covered)
+                assert own == {(process, pair.before, pair.edge) for process, pair in pairs}
+                found |= own
+            assert (found, suite.unknown) == (expected, ()), f"seed {seed}"
+            compared += 1
+            untaken += len(suite.impossible)
+    assert enough(compared > 3)
+    assert enough(untaken > 3)
+
+
 def test_a_search_for_one_place_agrees() -> None:
     answers = {Answer.HOLDS: True, Answer.FAILS: False}
     for seed in seeds(range(8)):
         network = random_case(Random(seed), SHAPES["small"]).network
         with suppress(InputError):
-            for coverage in Coverage:
+            for coverage in (Coverage.EDGES, Coverage.LOCATIONS):
                 suite = covering_suite(network, coverage)
                 for place in suite.places:
                     verdict = search_for(network, coverage, place, Options(), Limits())
