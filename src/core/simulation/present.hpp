@@ -49,9 +49,7 @@ struct Present {
   flow::Ticks unit() const { return flow.ticks_per_unit(); }
   const LocationTables& place(std::size_t process) const { return tables.place(process, values.slots.data()); }
   std::size_t processes() const { return program.processes.size(); }
-  bool random_delays() const {
-    return policy == Policy::stochastic || policy == Policy::uniform;
-  }
+  bool random_delays() const { return policy == Policy::stochastic || policy == Policy::uniform; }
 
   bool may_hold(const FirstTest& first_test) const { return first_test.may_hold(values.slots.data()); }
   bool integers_hold(const program::Condition& condition);
