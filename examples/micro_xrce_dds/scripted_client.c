@@ -306,6 +306,8 @@ int main(int count, char** arguments) {
     }
     if (!create_entities(strcmp(arguments[3], "subscriber"), strcmp(arguments[3], "publisher")))
         return fail("the Agent refuses the entities");
+    for (int k = i; k < count; k++) /* takes the last answers to its set-up before it is ready to obey */
+        if (!strcmp(arguments[k], "obey")) uxr_run_session_timeout(&session, 200);
     tell("ready", NULL, 0);
     if (steps(count - i, arguments + i)) return 2;
     tell("done", NULL, 0);

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     metavar="KIND:...",
     help="The system. process:COMMAND is a program that reads inputs and writes outputs as JSON lines, in real time; "
     "driven:COMMAND is one whose clock the test moves on; tcp:HOST:PORT and udp:HOST:PORT reach one that runs already; "
-    "xrce:client:COMMAND is a program with a client of DDS-XRCE.",
+    "xrce:client:COMMAND is a client of DDS-XRCE, xrce:agent:COMMAND an Agent, xrce:relay:COMMAND -- COMMAND an Agent "
+    "and a client.",
 )
 @click.option(
     "--simulate",

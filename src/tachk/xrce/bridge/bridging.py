@@ -39,7 +39,7 @@ class Bridge:
         (self._out,) = links
         self.to_agent = self._out % 2 == 0
         reads = self.to_agent and f"deliver[{self._out + 1}][0]" in part.receives and not _writes(part)
-        self._session = ClientSession(key, topic, reads) if self.to_agent else AgentSession()
+        self._session = ClientSession(key, topic, reads=reads, writes=not reads) if self.to_agent else AgentSession()
         self._begin: int | None = None
         self.ignored = 0
 

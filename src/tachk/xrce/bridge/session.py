@@ -3,6 +3,8 @@ it for them, on either side."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from tachk.xrce import wire
 from tachk.xrce.bridge.packets import READER, SESSION, STREAM, WRITER, joined, message, submessage, submessages_of
 from tachk.xrce.wire import SubmessageKind
@@ -22,12 +24,12 @@ class ClientSession:
         before: messages of the own stream, and of the Agent's, with which the session has begun.
     """
 
-    before = (1, 4)
-
-    def __init__(self, key: bytes, topic: str, reads: bool) -> None:
+    def __init__(self, key: bytes, topic: str, *, reads: bool, writes: bool) -> None:
+        """Args: reads, writes: whether it has a reader, and a writer, of the topic."""
         self._key = key
         self._topic = topic
-        self._reads = reads
+        self._creations = list(_creations(topic, reads, writes))
+        self.before = (1, len(self._creations))
         self._created = False
         self._answers: set[int] = set()
         self._next = 0
@@ -52,12 +54,12 @@ class ClientSession:
                 reply += self.due(now)
             elif event.kind is SubmessageKind.STATUS and event.sequence is not None:
                 self._answers.add(event.sequence)
-                confirmed = next(n for n in range(5) if n not in self._answers)
+                confirmed = self._confirmed()
                 reply.append(message(SubmessageKind.ACKNACK, {"first": confirmed, "bitmap": 0, "subject": STREAM}))
-                self.is_open = confirmed == 4
+                self.is_open = confirmed == self.before[1]
             elif event.kind is SubmessageKind.HEARTBEAT:
-                confirmed = next(n for n in range(5) if n not in self._answers)
-                missing = sum(1 << n - confirmed for n in range(confirmed, 4) if n not in self._answers)
+                confirmed = self._confirmed()
+                missing = sum(1 << n - confirmed for n in range(confirmed, self.before[1]) if n not in self._answers)
                 reply.append(
                     message(SubmessageKind.ACKNACK, {"first": confirmed, "bitmap": missing, "subject": STREAM})
                 )
@@ -74,23 +76,30 @@ class ClientSession:
         }
         return message(SubmessageKind.CREATE_CLIENT, content, session=0x80)
 
+    def _confirmed(self) -> int:
+        return next(n for n in range(self.before[1] + 1) if n not in self._answers)
+
     def _objects(self) -> bytes:
-        end, owner = (READER, _SUBSCRIBER) if self._reads else (WRITER, _PUBLISHER)
-        suffix = "dr" if self._reads else "dw"
-        objects = [
-            (_PARTICIPANT, 1, _REFERENCE, "default_xrce_participant", None),
-            (_TOPIC, 2, _REFERENCE, f"{self._topic}__t", _PARTICIPANT),
-            (owner, 4 if self._reads else 3, _XML, "", _PARTICIPANT),
-            (end, 6 if self._reads else 5, _REFERENCE, f"{self._topic}__{suffix}", owner),
-        ]
-        parts = []
-        for request, (name, kind, form, description, belongs) in enumerate(objects, start=10):
-            what: dict[str, object] = {"description": {"format": form, "description": description}}
-            what |= {"domain": 0 if belongs is None else None, "owner": belongs}
-            base = {"request": request.to_bytes(2, "big"), "object": name}
-            content = {"base": base, "new": {"kind": kind, "what": what}}
-            parts.append(submessage(SubmessageKind.CREATE, content, wire.REUSE))
+        parts = [submessage(SubmessageKind.CREATE, content, wire.REUSE) for content in self._creations]
         return joined(parts, STREAM, 0)
+
+
+def _creations(topic: str, reads: bool, writes: bool) -> Iterator[dict[str, object]]:
+    objects = [
+        (_PARTICIPANT, 1, _REFERENCE, "default_xrce_participant", None),
+        (_TOPIC, 2, _REFERENCE, f"{topic}__t", _PARTICIPANT),
+    ]
+    if writes:
+        objects.append((_PUBLISHER, 3, _XML, "", _PARTICIPANT))
+        objects.append((WRITER, 5, _REFERENCE, f"{topic}__dw", _PUBLISHER))
+    if reads:
+        objects.append((_SUBSCRIBER, 4, _XML, "", _PARTICIPANT))
+        objects.append((READER, 6, _REFERENCE, f"{topic}__dr", _SUBSCRIBER))
+    for request, (name, kind, form, description, belongs) in enumerate(objects, start=10):
+        what: dict[str, object] = {"description": {"format": form, "description": description}}
+        what |= {"domain": 0 if belongs is None else None, "owner": belongs}
+        base = {"request": request.to_bytes(2, "big"), "object": name}
+        yield {"base": base, "new": {"kind": kind, "what": what}}
 
 
 class AgentSession:

@@ -9,9 +9,15 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.diagnostics.suggestion import did_you_mean
 from tachk.simulation.testing.adapters import AdapterMaker, real_time_unit
 from tachk.simulation.testing.system_adapter import SystemAdapter
+from tachk.xrce.testing.agent import TestedAgent
 from tachk.xrce.testing.client import TestedClient
+from tachk.xrce.testing.relay import TestedSession
 
-_ROLES: Mapping[str, Callable[[str, Fraction], SystemAdapter]] = {"client": TestedClient}
+_ROLES: Mapping[str, Callable[[str, Fraction], SystemAdapter]] = {
+    "agent": TestedAgent,
+    "client": TestedClient,
+    "relay": TestedSession,
+}
 
 
 def _open(text: str, nanoseconds: Fraction | None) -> SystemAdapter:

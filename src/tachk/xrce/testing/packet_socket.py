@@ -13,7 +13,8 @@ from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 
-_HOST: Final = "127.0.0.1"
+HOST: Final = "127.0.0.1"
+"""Where the programs under test run, too."""
 _TIMES: Final = 35
 """SO_TIMESTAMPNS of Linux: the kernel notes when a packet comes. Elsewhere it is when it is read."""
 _TIME: Final = struct.Struct("qq")
@@ -21,6 +22,13 @@ _LARGEST: Final = 65535
 _SECONDS: Final = 0.2
 
 Address = tuple[str, int]
+
+
+def free_port() -> int:
+    """A port of this machine that nobody listens to by UDP. Raises UsageError where there is none."""
+    one = PacketSocket()
+    one.close()
+    return one.port
 
 
 class PacketSocket:
@@ -35,10 +43,10 @@ class PacketSocket:
         with suppress(OSError):  # a system that does not know it
             self._socket.setsockopt(socket.SOL_SOCKET, _TIMES, 1)
         try:
-            self._socket.bind((_HOST, 0))
+            self._socket.bind((HOST, 0))
         except OSError as error:
             self._socket.close()
-            raise UsageError(f"there is no port for UDP on {_HOST}: {error.strerror}") from None
+            raise UsageError(f"there is no port for UDP on {HOST}: {error.strerror}") from None
         self.port: int = self._socket.getsockname()[1]
         self._reader: threading.Thread | None = None
         self._is_closed = False

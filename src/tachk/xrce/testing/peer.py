@@ -24,6 +24,8 @@ SENT: Final = "sent"
 TO_AGENT, TO_CLIENT = 0, 1
 PORT: Final = "{port}"
 PROGRAM, PACKET = "program", "packet"
+QUIET: Final = 100_000_000
+"""Nanoseconds without a packet after which the set-up is taken to be over."""
 _SECONDS_TO_BEGIN: Final = 30
 
 
@@ -55,6 +57,13 @@ def word_of(name: str, cells: Mapping[str, Cell], link: int) -> ProtocolWord:
             f"visible arrive[link][kind] as {ARRIVED}(link, kind, number, detail), with link = {link}",
         )
     return word
+
+
+def link_of(name: str, cells: Mapping[str, Cell]) -> int:
+    """The link of an input. Raises UsageError for one that does not say it."""
+    if cells.get("link") not in (TO_AGENT, TO_CLIENT):
+        raise UsageError(f"the model sends `{name}` with {dict(cells)}, which does not say the link, 0 or 1")
+    return int(cells["link"])
 
 
 def sent_events(octets: bytes, translator: Translator, link: int, time: Fraction) -> Iterator[SeenOutput]:

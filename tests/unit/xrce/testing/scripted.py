@@ -19,7 +19,7 @@ def main() -> None:
     twice = sys.argv[2:] == ["twice"]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as agent:
         agent.connect(("127.0.0.1", int(sys.argv[1])))
-        session = ClientSession(b"test", "Numbers", reads=False)
+        session = ClientSession(b"test", "Numbers", reads=False, writes=True)
         for octets in session.due(0):
             agent.send(octets)
         while not session.is_open:
