@@ -7,6 +7,10 @@
 
 #include <cstring>
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include "zones/contract.hpp"
 #include "zones/zone.hpp"
 
@@ -532,18 +536,124 @@ struct Kernel {
     return result;
   }
 
+  // Takes the entries `sources` of rows, all rows in the same order: in blocks of sixteen bytes, each out of the
+  // thirty-two from one entry on, and of entry 0; entry after entry where a block needs others.
+  class Picks {
+   public:
+    static constexpr int least = 32, most = Stride == 0 ? 1024 : Stride;  // so many are taken by blocks
+
+    // The rows have so many entries.
+    Picks(const std::uint16_t* sources, int count, [[maybe_unused]] int length) : sources_(sources), count_(count) {
+#if defined(__AVX2__)
+      if constexpr (wide) {
+        if (count < least || count > most || length < 2 * entries) return;
+        for (int done = 0; done + entries <= count; done += entries) blocks_[number_++].find(sources + done, length);
+      }
+#endif
+    }
+
+    void take(T* to, const T* from) const {
+      int done = 0;
+#if defined(__AVX2__)
+      if constexpr (wide) {
+        const __m128i at_zero = _mm_load_si128(reinterpret_cast<const __m128i*>(Zeros(from[0]).values));
+        for (int b = 0; b < number_; ++b, done += entries) {
+          const Block& block = blocks_[b];
+          if (block.first < 0) {
+            for (int j = done; j < done + entries; ++j) to[j] = from[sources_[j]];
+            continue;
+          }
+          const auto* window = reinterpret_cast<const __m128i*>(from + block.first);
+          const __m128i low = _mm_shuffle_epi8(_mm_loadu_si128(window), block.mask(0));
+          const __m128i high = _mm_shuffle_epi8(_mm_loadu_si128(window + 1), block.mask(1));
+          const __m128i rest = _mm_and_si128(at_zero, block.mask(2));
+          _mm_storeu_si128(reinterpret_cast<__m128i*>(to + done), _mm_or_si128(_mm_or_si128(low, high), rest));
+        }
+      }
+#endif
+      for (int j = done; j < count_; ++j) to[j] = from[sources_[j]];
+    }
+
+   private:
+#if defined(__AVX2__)
+    static constexpr int size = static_cast<int>(sizeof(T));
+    static constexpr int entries = 16 / size;  // of a block
+    static constexpr bool wide = entries > 2 && (Stride == 0 || Stride >= least);
+
+    struct Zeros {
+      explicit Zeros(T value) {
+        for (T& entry : values) entry = value;
+      }
+      alignas(16) T values[entries];
+    };
+
+    struct Block {
+      int first = -1;                            // of the window; -1: none is wide enough
+      alignas(16) unsigned char masks[3][16]{};  // of its halves by byte, 128 for none; of entry 0, all bits or none
+
+      __m128i mask(int part) const { return _mm_load_si128(reinterpret_cast<const __m128i*>(masks[part])); }
+      void find(const std::uint16_t* sources, int length) {
+        int least_source = length;
+        int last_source = 0;
+        for (int j = 0; j < entries; ++j) {
+          if (sources[j] == 0) continue;
+          least_source = sources[j] < least_source ? sources[j] : least_source;
+          last_source = sources[j] > last_source ? sources[j] : last_source;
+        }
+        first = least_source < length - 2 * entries ? least_source : length - 2 * entries;
+        if (last_source - first >= 2 * entries) {
+          first = -1;
+          return;
+        }
+        for (int j = 0; j < entries; ++j)
+          for (int byte = 0; byte < size; ++byte) {
+            const int at = (sources[j] - first) * size + byte;
+            const int place = j * size + byte;
+            masks[0][place] = static_cast<unsigned char>(sources[j] != 0 && at < 16 ? at : 128);
+            masks[1][place] = static_cast<unsigned char>(sources[j] != 0 && at >= 16 ? at - 16 : 128);
+            masks[2][place] = sources[j] == 0 ? 255 : 0;
+          }
+      }
+    };
+
+    int number_ = 0;
+    Block blocks_[wide ? most / entries : 1];
+#endif
+    const std::uint16_t* sources_;
+    int count_;
+  };
+
   static void gather(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* clocks, int count,
                      int length) {
+    const Picks picks(clocks, count, stride(dimension));
     for (int i = 0; i < count; ++i) {
-      const T* from = row(zone, dimension, clocks[i]);
       T* to = reinterpret_cast<T*>(target.bytes) + i * length;
-      for (int j = 0; j < count; ++j) to[j] = from[clocks[j]];
+      picks.take(to, row(zone, dimension, clocks[i]));
       for (int j = count; j < length; ++j) to[j] = infinity;
     }
   }
 
   static void scatter(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count,
                       int length) {
+    if (Picks::least <= dimension && dimension <= Picks::most)
+      return scatter_by_blocks(target, part, dimension, clocks, count, length);
+    scatter_rows(target, part, dimension, clocks, count, length, [&](T* to, const T* from) {
+      for (int j = 0; j < dimension; ++j) to[j] = from[0];
+      for (int j = 0; j < count; ++j) to[clocks[j]] = from[j];
+    });
+  }
+
+  static void scatter_by_blocks(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks,
+                                int count, int length) {
+    std::uint16_t sources[Picks::most]{};  // of each clock its number in the part; 0: it is not in it
+    for (int j = 0; j < count; ++j) sources[clocks[j]] = static_cast<std::uint16_t>(j);
+    const Picks picks(sources, dimension, length);
+    scatter_rows(target, part, dimension, clocks, count, length, [&](T* to, const T* from) { picks.take(to, from); });
+  }
+
+  template <class Take>
+  static void scatter_rows(ZoneRef target, ConstZoneRef part, int dimension, const std::uint16_t* clocks, int count,
+                           int length, Take take) {
     for (int i = 0, next = 0; i < dimension; ++i) {
       T* to = row(target, dimension, i);
       if (next == count || clocks[next] != i) {
@@ -551,19 +661,17 @@ struct Kernel {
         to[i] = zero;
         continue;
       }
-      const T* from = reinterpret_cast<const T*>(part.bytes) + next * length;
+      take(to, reinterpret_cast<const T*>(part.bytes) + next * length);
       ++next;
-      for (int j = 0; j < dimension; ++j) to[j] = from[0];
       for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
-      for (int j = 0; j < count; ++j) to[clocks[j]] = from[j];
     }
   }
 
   static void rename(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* sources) {
+    const Picks picks(sources, dimension, stride(dimension));
     for (int i = 0; i < dimension; ++i) {
-      const T* from = row(zone, dimension, sources[i]);
       T* to = row(target, dimension, i);
-      for (int j = 0; j < dimension; ++j) to[j] = from[sources[j]];
+      picks.take(to, row(zone, dimension, sources[i]));
       for (int j = dimension; j < stride(dimension); ++j) to[j] = infinity;
     }
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -171,6 +172,27 @@ void check_parts(const Zone& zone, tachk::zones::Width width, bool vector, std::
       CHECK(part.ops.entry(part.data, count, i, j) == tachk::zones::unbounded_entry);
 }
 
+// Clocks in another order: any, and all moved on by some, as the processes of a ring are.
+void check_order(const Zone& zone, int moved, std::mt19937& random) {
+  std::vector<std::uint16_t> sources(static_cast<std::size_t>(zone.n));
+  std::iota(sources.begin(), sources.end(), std::uint16_t{0});
+  for (const bool any : {false, true}) {
+    if (any)
+      std::shuffle(sources.begin() + 1, sources.end(), random);
+    else
+      std::rotate(sources.begin() + 1, sources.begin() + 1 + moved, sources.end());
+    const Zone other(zone.ops, zone.n);
+    zone.ops.rename(other.data, zone.data, zone.n, sources.data());
+    for (int i = 0; i < zone.n; ++i)
+      for (int j = 0; j < zone.ops.stride; ++j) {
+        const bool of_clock = j < zone.n;
+        const int source = of_clock ? sources[static_cast<std::size_t>(j)] : j;
+        const int row = of_clock ? sources[static_cast<std::size_t>(i)] : i;
+        CHECK(zone.ops.entry(other.data, zone.n, i, j) == zone.ops.entry(zone.data, zone.n, row, source));
+      }
+  }
+}
+
 void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
   std::mt19937 random(seed);
   const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
@@ -291,6 +313,8 @@ void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int
     if (same) CHECK(extent == other_extent);
     CHECK(same == std::equal(zone.data.bytes, zone.data.bytes + ops.bytes, other_zone.data.bytes));
     check_parts(zone, width, vector, static_cast<std::uint32_t>(random()));
+    check_parts(zone, width, vector, static_cast<std::uint32_t>(random() | random()));
+    check_order(zone, n == 1 ? 0 : below(n - 1), random);
     // Keeps the constants within what extrapolation would guarantee in a search.
     if (step % 6 == 5) {
       const std::vector<Raw> bound(static_cast<std::size_t>(n), constant);
