@@ -277,6 +277,7 @@ std::int64_t Machine::run(std::int32_t position, std::int32_t* memory, std::vect
         break;
       }
       case Operation::end:
+        instructions_ += static_cast<std::uint64_t>(steps);
         return left();
     }
   }

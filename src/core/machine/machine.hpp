@@ -49,6 +49,9 @@ class Machine {
     return value;
   }
 
+  // How many instructions pieces of code have run so far, as far as jumps count them.
+  std::uint64_t instructions() const { return instructions_; }
+
  private:
   std::int64_t in_units(std::int64_t time) const;
   std::int64_t run(std::int32_t code, std::int32_t* memory, std::vector<zones::ClockReset>* resets);
@@ -63,6 +66,7 @@ class Machine {
   MachineCode code_;
   program::SlotSet written_;
   Dice* dice_ = nullptr;
+  std::uint64_t instructions_ = 0;
   std::vector<std::int32_t> registers_;
   std::vector<Frame> calls_;          // those open, with what to go on with
   std::vector<std::int32_t> copied_;  // by the copy under way

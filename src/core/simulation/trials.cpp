@@ -23,6 +23,13 @@ class Watch {
                    question.bound.ticks_per_unit) {}
 
   void run(std::uint64_t number, Trial& trial) {
+    const std::uint64_t before = simulator_.machine().instructions();
+    take(number, trial);
+    trial.instructions = simulator_.machine().instructions() - before;
+  }
+
+ private:
+  void take(std::uint64_t number, Trial& trial) {
     try {
       if (!simulator_.begin(request_.seed, number)) {
         trial.answer = Answered::unknown;
@@ -40,7 +47,6 @@ class Watch {
     }
   }
 
- private:
   // One state after another, with the time that passes in it.
   void go_on(Trial& trial) {
     std::uint64_t at_once = 0;

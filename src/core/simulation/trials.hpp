@@ -33,6 +33,7 @@ struct Trial {
   Ending ending = Ending::horizon;
   flow::Ticks end = 0;  // the moment at which the goal is reached, or up to which the run was looked at
   std::uint64_t transitions = 0;
+  std::uint64_t instructions = 0;  // of code, as far as jumps count them
   double measured = 0;
   machine::FaultKind fault = machine::FaultKind::range;
   std::int32_t position = program::no_code;

@@ -26,6 +26,9 @@ _LEAST_STEPS = 500
 """Of a run, however small the budget is: it is a fraction of a millisecond."""
 _EDGES_OF_A_TRANSITION = 1000
 """Where more edges than this leave the locations of a state, a transition counts as several."""
+_FEW_STEPS = 16
+_INSTRUCTIONS_OF_A_TRANSITION = 500
+"""So many instructions take as long as a transition without: a goal may ask all processes after each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,7 @@ class SimulatedRuns:
         self._found: dict[int, _FoundRun] = {}
         self._numbers = dict.fromkeys(_POLICIES, 0)
         self._transitions = 0
+        self._instructions = 0
         self._weight = max(1, _most_leaving(program) // _EDGES_OF_A_TRANSITION)
 
     def budgeted(self, work: int, longest: int | None = None) -> _BudgetedRuns:
@@ -62,13 +66,24 @@ class SimulatedRuns:
 
     def _drawn(self, transitions: int, longest: int | None) -> Iterator[None]:
         """Draws run after run until the budget is used up, each with the larger part of what is left."""
-        end = self._transitions + transitions
+        if self._transitions == 0 and (first := self._open()) is not None:  # how long does a transition take?
+            self._draw(first, _POLICIES[0], _FEW_STEPS)
+            self._numbers[_POLICIES[0]] = 0
+            yield
+        end = self._spent + transitions
         for policy in cycle(_POLICIES):
-            left, goal = end - self._transitions, self._open()
+            left, goal = end - self._spent, self._open()
             if left <= 0 or goal is None:
                 return
-            self._draw(goal, policy, longest or max(left * 3 // 4, _LEAST_STEPS // self._weight, 1))
+            each = self._spent / self._transitions  # a transition, with its code
+            steps = max(int(left * 0.75 / each), int(_LEAST_STEPS / each) // self._weight, 1)
+            self._draw(goal, policy, longest or steps)
             yield
+
+    @property
+    def _spent(self) -> int:
+        """How many transitions without code take as long as what has been drawn."""
+        return self._transitions + self._instructions // _INSTRUCTIONS_OF_A_TRANSITION
 
     def _open(self) -> int | None:
         return next((goal for goal in self._goals if goal not in self._found), None)
@@ -89,8 +104,9 @@ class SimulatedRuns:
             most_steps=steps,
             check=current_job().check,
         )
-        is_reached, taken = trials.trial(0)
+        is_reached, taken, instructions = trials.trial(0)
         self._transitions += max(taken, 1)
+        self._instructions += instructions
         if is_reached:
             self._found[goal] = _FoundRun(policy, number, taken)
 

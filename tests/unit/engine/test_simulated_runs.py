@@ -5,8 +5,11 @@ from __future__ import annotations
 import pytest
 
 import tachk
+from tachk import _core
 from tachk.engine import zone
+from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Options
+from tachk.engine.simulated_runs import SimulatedRuns
 from tachk.model.run import TimedTrace
 from tachk.verify.verdict import Answer, Verdict
 
@@ -162,3 +165,23 @@ def test_a_short_run_is_found_before_symmetries_are(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(zone, "_SHORT_RUN", 1)
     for options in (Options(), Options().off("first-runs")):
         assert verdict(MEETING, ONE_IS_INSIDE, options).strategy == "few-states"
+
+
+def test_a_goal_that_asks_much_leaves_time_for_fewer_transitions() -> None:
+    text = """
+    int[0, 100] n;
+    process P() { init location l { to l { assign n = (n + 1) % 100; } } }
+    p = P(); system p;
+    """
+    drawn = []
+    for goal in ("n == 100", "exists (i : int[0, 99]) exists (j : int[0, 99]) i + j == n + 200"):
+        model = tachk.loads(text)
+        (verdict,) = model.verify(f"E<> {goal}")
+        assert verdict.query.target is not None
+        runs = SimulatedRuns(*lower(model.network, [verdict.query.target]))
+        part = runs.budgeted(1_000)
+        while (status := part.run(1)) is _core.Status.RUNNING:
+            pass
+        assert status is _core.Status.STATE_LIMIT
+        drawn.append(runs.statistics()[2])
+    assert drawn[0] > 5_000 and drawn[1] < 500

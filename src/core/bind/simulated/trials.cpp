@@ -97,9 +97,11 @@ void bind_trials(nb::module_& m) {
           "trial",
           [](const Trials& self, std::size_t number) {
             const Trial& trial = self.trials.at(number);
-            return std::make_tuple(trial.answer == simulation::Answered::yes, trial.transitions);
+            return std::make_tuple(trial.answer == simulation::Answered::yes, trial.transitions, trial.instructions);
           },
-          nb::arg("number"), "(whether the goal is reached, how many transitions it has), of one run.")
+          nb::arg("number"),
+          "(whether the goal is reached, how many transitions it has, how many instructions of code it took as far as "
+          "jumps count them), of one run.")
       .def(
           "fault",
           [](const Trials& self, std::size_t number) {
