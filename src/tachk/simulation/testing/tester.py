@@ -32,6 +32,8 @@ from tachk.simulation.testing.system_adapter import SeenOutput, SystemAdapter, S
 
 _EXCUSE = 4
 """So many times as long as it may be late a system goes on after a failure, to see whether it had to wait."""
+_RECENT = 10
+"""That it had to wait counts for so many times as long as it may be late."""
 _AT_ONCE = 1_000
 """The largest number of outputs at the same time."""
 
@@ -314,7 +316,7 @@ class _TestUnderWay:
 
     def _waited(self) -> Fraction:
         """The time for which the system waited for a processor while it came to what is the last event."""
-        begin = self.known - self.pause - 2 * (self.settings.tolerance + self.settings.late)
+        begin = self.known - _RECENT * (self.settings.tolerance + self.settings.late)
         before = [waited for known, waited in self.waits if known <= begin]
         return self.waits[-1][1] - (before[-1] if before else self.waits[0][1]) if self.waits else Fraction(0)
 

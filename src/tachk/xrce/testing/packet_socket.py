@@ -20,6 +20,9 @@ _TIMES: Final = 35
 _TIME: Final = struct.Struct("qq")
 _LARGEST: Final = 65535
 _SECONDS: Final = 0.2
+_AGAIN: Final = 1_000_000_000
+"""Nanoseconds after which the clocks are compared again."""
+_PAIRS: Final = 5
 
 Address = tuple[str, int]
 
@@ -50,6 +53,9 @@ class PacketSocket:
         self.port: int = self._socket.getsockname()[1]
         self._reader: threading.Thread | None = None
         self._is_closed = False
+        self._offset = clock_offset()
+        self._measured = time.monotonic_ns()
+        self._last = 0
 
     def read_into(self, take: Callable[[int, bytes, Address], None]) -> None:
         """Lets a thread take packets until the socket is closed: their moments of `time.monotonic_ns`, and senders."""
@@ -64,7 +70,19 @@ class PacketSocket:
                 octets, notes, _, address = self._socket.recvmsg(_LARGEST, socket.CMSG_SPACE(_TIME.size))
             except (BlockingIOError, ConnectionRefusedError):  # no socket listens there at present
                 continue
-            take(_moment(notes), octets, address)
+            take(self._moment(notes), octets, address)
+
+    def _moment(self, notes: list[tuple[int, int, bytes]]) -> int:
+        """When a packet came. Later packets never have earlier moments."""
+        now = time.monotonic_ns()
+        if now - self._measured > _AGAIN:  # the other clock may be set
+            self._offset, self._measured = clock_offset(), now
+        for level, kind, data in notes:
+            if (level, kind, len(data)) == (socket.SOL_SOCKET, _TIMES, _TIME.size):
+                seconds, nanoseconds = map(int, _TIME.unpack(data))
+                now = min(seconds * 10**9 + nanoseconds - self._offset, now)
+        self._last = max(now, self._last)
+        return self._last
 
     def send(self, octets: bytes, address: Address) -> int:
         """Sends a packet; the moment at which it left."""
@@ -80,10 +98,11 @@ class PacketSocket:
         self._socket.close()
 
 
-def _moment(notes: list[tuple[int, int, bytes]]) -> int:
-    now = time.monotonic_ns()
-    for level, kind, data in notes:
-        if (level, kind, len(data)) == (socket.SOL_SOCKET, _TIMES, _TIME.size):
-            seconds, nanoseconds = map(int, _TIME.unpack(data))
-            return now - max(time.time_ns() - (seconds * 10**9 + nanoseconds), 0)
-    return now
+def clock_offset() -> int:
+    """What has to be taken from `time.time_ns` to get `time.monotonic_ns`. The thread may have to wait between the two:
+    the best of some pairs counts."""
+    pairs = []
+    for _ in range(_PAIRS):
+        before, middle, behind = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
+        pairs.append((behind - before, middle - (before + behind) // 2))
+    return min(pairs)[1]
