@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -37,10 +36,7 @@ def write_run(
         write_whole(output, run_text(names, run, [f"a run of {model}"], constants))
         return
     if output.suffix.lower() == scenario_text.SUFFIX:
-        name = re.sub(r"\W", "_", output.stem)
-        write_whole(
-            output, scenario_text.scenario_of_run(names, run, name if not name[:1].isdigit() else f"run_{name}")
-        )
+        write_whole(output, scenario_text.scenario_of_run(names, run, scenario_text.scenario_name(output)))
         return
     recorded = signals_of(names, columns_with(names.network, record, formulas), run, str(output), decimal_times=True)
     if not recorded.exact:

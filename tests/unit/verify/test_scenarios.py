@@ -207,3 +207,22 @@ def test_uppaal_gets_no_scenario(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, ["convert", str(model), "-o", str(tmp_path / "lamp.xml")])
     assert found.exit_code == 0, found.output
     assert "scenario" in found.output and "story" not in (tmp_path / "lamp.xml").read_text(encoding="utf-8")
+
+
+def test_a_recording_becomes_a_scenario(tmp_path: Path) -> None:
+    """Possible if it is a run of the model, and impossible if it is not."""
+    recording = "recording { replaces User; visible press as pressed(); visible lit[k] as lit(k, n); tolerance 1 ms; }"
+    model = tmp_path / "lamp.ta"
+    model.write_text(f"{LAMP}{recording}", encoding="utf-8")
+    for late, status in ((26, 0), (35, 10)):
+        log, written = tmp_path / f"{late}.csv", tmp_path / f"{late}.ta"
+        log.write_text(f"time [ms],event,k,n\n20,pressed,,\n{late},lit,1,1\n40,end,,\n", encoding="utf-8")
+        runner = CliRunner()
+        found = runner.invoke(app, ["conform", str(model), str(log), "--scenario", str(written)])
+        assert found.exit_code == status, found.output
+        assert "no kind" not in found.output
+        text = written.read_text(encoding="utf-8")
+        assert f"scenario run_{late} {{\n    observes press, lit;\n" in text and "lit[1] with n == 1;" in text
+        changed = tmp_path / "with_scenario.ta"
+        changed.write_text(f"{LAMP}{text}expect run_{late} {'fails' if status else 'holds'};\n", encoding="utf-8")
+        assert runner.invoke(app, ["verify", str(changed)]).exit_code == 0

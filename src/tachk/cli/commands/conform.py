@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,6 +22,7 @@ from tachk.engine.options import Limits
 from tachk.recordings.conformance.question import ExplanationDetail
 
 if TYPE_CHECKING:
+    from tachk.recordings.conformance.conform import Conformance
     from tachk.recordings.conformance.coverage import Covered
 
 
@@ -70,6 +73,13 @@ if TYPE_CHECKING:
     " and an edit that would make it a run if one is found in a few seconds; full: try all edits near that place.",
 )
 @click.option("--coverage", is_flag=True, help="Also report the edge coverage: which edges of the model the runs take.")
+@click.option(
+    "scenario",
+    "--scenario",
+    metavar="FILE",
+    type=options.written_file,
+    help="Write the recording as a scenario of the model into this file (.ta).",
+)
 @options.max_states()
 @options.max_seconds()
 @options.report("text", "json")
@@ -98,6 +108,7 @@ class ConformArguments:
     applications: tuple[str, ...] = ()
     coverage: bool = False
     explanation: ExplanationDetail = ExplanationDetail.SHORT
+    scenario: Path | None = None
 
 
 def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
@@ -127,6 +138,8 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
             )
             for each in arguments.recordings
         ]
+    if arguments.scenario is not None:
+        _write_scenario(found, arguments.scenario)
     covered: tuple[Covered, ...] = ()
     if arguments.coverage:
         from tachk.recordings.conformance.coverage import coverage
@@ -147,3 +160,14 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
     if False in answers:
         return ExitStatus.NOT_AS_EXPECTED
     return ExitStatus.UNKNOWN if None in answers else ExitStatus.AS_EXPECTED
+
+
+def _write_scenario(found: Sequence[Conformance], file: Path) -> None:
+    """Raises UsageError for several recordings."""
+    from tachk.base.whole_files import write_whole
+    from tachk.recordings.conformance.recorded_scenario import scenario_of_recording
+    from tachk.simulation.stepping.scenario_text import scenario_name
+
+    if len(found) > 1:
+        raise UsageError("a scenario is made of one recording", "name one FILE with --scenario")
+    write_whole(file, scenario_of_recording(found[0], scenario_name(file)))

@@ -25,7 +25,7 @@ from tachk.model.expressions import Constant, Expression, Index, Reference, Vari
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.types import ArrayType, IntType, ScalarType
-from tachk.recordings.conformance.events import Cell, Closing, EventLog, RecordedEvent
+from tachk.recordings.conformance.events import END, Cell, Closing, EventLog, RecordedEvent
 
 _SHOWN = 30
 """Messages show at most so many characters of a cell."""
@@ -389,7 +389,7 @@ class EventStreamReader:
         for position, event in enumerate(self.recording.events):
             placed = self.place(event)
             if placed is None:
-                self.other += 1
+                self.other += event.name != END
             else:
                 clause, common, said = placed
                 entries[clause, common][2].append((position, said))

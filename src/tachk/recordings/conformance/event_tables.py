@@ -12,7 +12,7 @@ from typing import Any
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import exact_number
 from tachk.base.time_units import NANOSECONDS, SPELLINGS
-from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.recordings.conformance.events import END, Cell, EventLog, RecordedEvent
 from tachk.recordings.traces.compressed import COMPRESSED_SUFFIXES, open_bytes, plain_suffix, torn
 from tachk.recordings.traces.csv_beginning import SEPARATORS, declared_separator
 from tachk.recordings.traces.trace_files import CSV, FORMATS, JSON_LINES
@@ -54,10 +54,6 @@ def read_events(path: Path, unit: str | None = None) -> EventLog:
         events.append(RecordedEvent(time, name, cells, place, known[after] if after else None))
     end = events[-1].time if events else Fraction(0)
     return EventLog(str(path), tuple(events), _length(unit, path), Fraction(0), end)
-
-
-END = "end"
-"""The name of the last row of a recording that goes on behind its last event."""
 
 
 def event_rows(recording: EventLog, nanoseconds: Fraction | None) -> Iterator[str]:

@@ -11,6 +11,10 @@ Cell = int | str
 """A number, or the name of a constant of the model; ``true`` and ``false`` are 1 and 0."""
 
 
+END = "end"
+"""The name of the last row of a recording that goes on behind its last event."""
+
+
 @dataclass(frozen=True, slots=True)
 class RecordedEvent:
     """Attributes:

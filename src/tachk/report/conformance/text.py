@@ -78,7 +78,8 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
     count = len(recording.events) - found.streams.other
     yield f"{recording.source}: {grouped(count)} {'event' if count == 1 else 'events'} of {model}"
     if found.streams.other:
-        yield f"{grouped(found.streams.other)} others are of no kind that the model contains"
+        other = found.streams.other
+        yield f"{grouped(other)} other {'event is' if other == 1 else 'events are'} of no kind that the model contains"
     unit = found.time_unit
     allowed = f"tolerance {units_text(found.tolerance, unit)}, late {units_text(found.late, unit)}"
     match found.accepted:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from fractions import Fraction
 from math import ceil, floor
+from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.meaning.discrete import channel_of, meta_values
@@ -14,6 +16,12 @@ from tachk.model.run import DiscreteState, TimedTrace, Transition
 from tachk.model.types import BoolType, IntType, slot_count
 
 SUFFIX = ".ta"
+
+
+def scenario_name(file: Path) -> str:
+    """A name for the scenario in a file."""
+    name = re.sub(r"\W", "_", file.stem)
+    return f"run_{name}" if name[:1].isdigit() else name
 
 
 def scenario_of_run(names: RunNames, run: TimedTrace, name: str) -> str:
