@@ -102,10 +102,11 @@ class StreamedProgram:
         return SystemEndedError(f"{self.command[0]} has ended {how}")
 
     def waited(self) -> int:
-        """Nanoseconds for which its threads, and the one that reads from it, were ready and had no processor."""
+        """Nanoseconds for which its threads, and the one that reads from it, were ready and had no processor, and for
+        which a host has taken processors from this machine."""
         if self.process is not None and self._reader is not None:
             tasks = [f"/proc/self/task/{self._reader.native_id}", *glob(f"/proc/{self.process.pid}/task/*")]
-            self._waited = max(sum(map(_waited, tasks)), self._waited)
+            self._waited = max(sum(map(_waited, tasks)) + _stolen(), self._waited)
         return self._waited
 
     def end(self, seconds: float) -> None:
@@ -138,6 +139,15 @@ def _waited(task: str) -> int:
     """Of a thread of Linux; 0 where it has ended, or on another system."""
     try:
         return int(Path(task, "schedstat").read_text(encoding="ascii").split()[1])
+    except (OSError, ValueError, IndexError):
+        return 0
+
+
+def _stolen() -> int:
+    """Nanoseconds since a virtual machine started in which its host ran something else; 0 where that is unknown."""
+    try:
+        ticks = int(Path("/proc/stat").read_text(encoding="ascii").split(maxsplit=9)[8])
+        return ticks * 10**9 // os.sysconf("SC_CLK_TCK")
     except (OSError, ValueError, IndexError):
         return 0
 
