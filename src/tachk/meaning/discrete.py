@@ -54,6 +54,11 @@ class PreparedNetwork:
         return tuple(_instances(self.network, p) for p in range(len(self.network.processes)))
 
     @cached_property
+    def meta_slots(self) -> tuple[tuple[int, int], ...]:
+        """The slots of meta variables, with their initial values."""
+        return tuple((slot, self.layout.initial[slot]) for slot, meta in enumerate(self.layout.meta) if meta)
+
+    @cached_property
     def fixed(self) -> dict[Participant, int]:
         """The channels of those synchronisations that name the same one in every state."""
         return _fixed_channels(self.network, self.layout, self.instances)
@@ -314,12 +319,10 @@ def execute_updates(
     locations = list(discrete.locations)
     for participant in transition.participants:
         locations[participant.process] = model.edge(participant).target
-    values = (
-        initial if meta else value
-        for value, initial, meta in zip(scratch.values, model.layout.initial, model.layout.meta, strict=True)
-    )
+    for slot, initial in model.meta_slots:
+        scratch.values[slot] = initial
     resets = ((clock, source, more) for clock, (source, more) in scratch.resets.items())
-    return DiscreteState(tuple(locations), tuple(values)), tuple(sorted(resets))
+    return DiscreteState(tuple(locations), tuple(scratch.values)), tuple(sorted(resets))
 
 
 def clocks_after(clocks: Sequence[Fraction], resets: ClockValues) -> tuple[Fraction, ...]:
@@ -339,7 +342,7 @@ def meta_values(model: PreparedNetwork, discrete: DiscreteState, transition: Tra
     for participant in transition.participants:
         bind_selects(model, participant, scratch)
         execute(model.edge(participant).updates, scratch)
-    return {slot: scratch.values[slot] for slot, meta in enumerate(model.layout.meta) if meta}
+    return {slot: scratch.values[slot] for slot, _ in model.meta_slots}
 
 
 @by_state
