@@ -30,7 +30,7 @@ UP, DOWN = 0, 3
 
 def is_run(recording: EventLog) -> bool | None:
     settings = {"CLIENT_JITTER": 5, "AGENT_JITTER": 5, "MISSED_ROUNDS": 1, "EXACT_BITMAPS": True}
-    model = tachk.load(MODELS / "recorded.ta", BEST_EFFORT_STREAMS=True, LARGEST_WORD=2**20 - 1, **settings)
+    model = tachk.load(MODELS / "recorded.ta", BEST_EFFORT_STREAMS=True, LARGEST_WORD=2**27 - 1, **settings)
     assert model.loaded.recording is not None
     found = conform(
         model.network,
