@@ -4,11 +4,13 @@ COUNT random models are changed in one place each: a bound of a guard or of an i
 or what it does; one edge is lost, or one more is there. The changed model stands for the system, in up to TESTS (100)
 tests by the model, which differ in their seeds and in when the system acts within its bounds. An oracle that knows
 neither zones nor the tester goes through all runs at whole times together with all states in which the model may be
-then: it says whether the change can be seen within 14 time units. All bounds are closed, so whole times decide that; no
-machine acts without end in no time (Henzinger, Manna, Pnueli, "What good are digital clocks?", 1992).
+then: it says whether the change can be seen at whole times within 14 time units. What can be seen between whole times
+alone it does not see: that all bounds are closed decides this for runs (Henzinger, Manna, Pnueli, "What good are
+digital clocks?", 1992), and not for what one machine can do and another one cannot. No machine acts without end in no
+time.
 
 Prints how many changes that can be seen were found, in how many tests, and each one that was not; exit status 1 after
-a test that failed without a change that can be seen. Ctrl-C ends it with what is known so far.
+a test that failed without a change that the oracle sees. Ctrl-C ends it with what is known so far.
 """
 
 from __future__ import annotations

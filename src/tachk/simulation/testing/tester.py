@@ -16,7 +16,7 @@ from math import ceil
 
 from tachk.base.diagnostics.diagnostic import InternalError, UsageError
 from tachk.base.job import check_job
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.engine.options import Limits
 from tachk.engine.state_estimate import EstimateLimitError
 from tachk.model.network import Network
@@ -171,6 +171,26 @@ def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, ch
     return test.outcome()
 
 
+def _is_test_to_blame(model: TestedModel, run: TestRun, found: Conformance) -> bool:
+    """True if all that was seen before an input is as the model says, and only the input is not."""
+    number = None if found.refusal is None else found.refusal.event
+    if number is None or not any(run.recording.events[number] is each for each in run.sent):
+        return False
+    before = replace(run.recording, events=run.recording.events[:number], end=run.recording.events[number].time)
+    settings = run.settings
+    seen = conform(
+        model.network,
+        model.mapping,
+        before,
+        model.constants,
+        settings.tolerance,
+        settings.late,
+        limits=settings.limits,
+        explain=False,
+    )
+    return seen.accepted is True
+
+
 def confirmed(model: TestedModel, run: TestRun) -> TestResult:
     """The result of a test, confirmed by the search of `tachk conform`. Raises InternalError if that disagrees."""
     settings, found, reason = run.settings, None, run.reason
@@ -192,6 +212,9 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
         if verdict is TestVerdict.FAIL and found.accepted is True:
             verdict = TestVerdict.INCONCLUSIVE
             reason = run.overdue or "the system did what the environment of the model does not expect"
+        if verdict is TestVerdict.FAIL and _is_test_to_blame(model, run, found):
+            verdict = TestVerdict.INCONCLUSIVE
+            reason = "the test sent an input at the very moment from which on the model does not allow it"
         if verdict is TestVerdict.FAIL and run.waited > settings.late:
             verdict = TestVerdict.INCONCLUSIVE
             reason = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -14,9 +15,12 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
+from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
+from tachk.recordings.conformance.events import RecordedEvent
 from tachk.simulation.testing.goals import TestGoal
+from tachk.simulation.testing.input_choice import ScriptedInputs
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.program_system import RealTimeProgram
 from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
@@ -267,3 +271,46 @@ def test_time_for_which_a_program_waits_is_counted() -> None:
     assert 0 < first <= system.waited()
     system.close()
     assert system.waited() >= first, "it has ended"
+
+
+@pytest.mark.parametrize("faulty", [False, True])
+def test_an_input_that_the_model_does_not_allow_is_no_failure(faulty: bool) -> None:
+    """From 4 on the invariant of L1 forbids the input: one at 4 is no fault of the system, what it did before is."""
+
+    def model(guard: str) -> tachk.Model:
+        return tachk.loads(f"""
+broadcast chan hear, say;
+int n = 0;
+process P() {{
+    clock x;
+    init location L0 {{ to L1 {{ guard x >= 4; sync hear?; }} }}
+    location L1 {{ invariant x <= 3; }}
+}}
+process Q() {{
+    clock y;
+    init location L0 {{ invariant n == 1 || y <= 3; to L0 {{ guard n == 0 && {guard}; sync say!; assign n = 1; }} }}
+}}
+process Anyone() {{ init location L0 {{ to L0 {{ sync hear!; }} }} }}
+system P, Q, Anyone;
+recording {{ replaces Anyone; visible hear as in(); visible say as out(); }}
+""")
+
+    own, other = model("y >= 2"), model("y <= 1" if faulty else "y >= 2")
+    tested = TestedModel.of(own.network, _recording(own), constants_of(own.loaded))
+    running = ModelledSystem(
+        # without the edge of P, the system takes the input
+        replace(other.network, processes=(replace(other.network.processes[0], edges=()), *other.network.processes[1:])),
+        _recording(other),
+        constants_of(other.loaded),
+        1,
+        Policy.UNIFORM,
+    )
+    settings = TestSettings(Fraction(8), 1, Fraction(0), Fraction(0))
+    inputs = ScriptedInputs([RecordedEvent(Fraction(4), "in", {}, "an input")])
+    result = confirmed(tested, follow(tested, running, settings, inputs))
+    assert result.verdict is (TestVerdict.FAIL if faulty else TestVerdict.INCONCLUSIVE)
+
+
+def _recording(model: tachk.Model) -> RecordingMap:
+    assert model.loaded.recording is not None
+    return model.loaded.recording
