@@ -10,9 +10,14 @@ import json
 import select
 import socket
 import sys
+import time
+from contextlib import suppress
 
 from tachk.xrce.bridge.packets import ProtocolWord, Translator
 from tachk.xrce.bridge.session import ClientSession
+
+_AGAIN = 0.1
+"""Seconds after which it asks again."""
 
 
 def main() -> None:
@@ -20,11 +25,13 @@ def main() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as agent:
         agent.connect(("127.0.0.1", int(sys.argv[1])))
         session = ClientSession(b"test", "Numbers", reads=False, writes=True)
-        for octets in session.due(0):
-            agent.send(octets)
-        while not session.is_open:
-            for octets in session.arrived(agent.recv(1 << 16), 0):
-                agent.send(octets)
+        while not session.is_open:  # the Agent may not listen yet
+            with suppress(ConnectionRefusedError):
+                for octets in session.due(time.monotonic_ns()):
+                    agent.send(octets)
+                if select.select([agent], [], [], _AGAIN)[0]:
+                    for octets in session.arrived(agent.recv(1 << 16), time.monotonic_ns()):
+                        agent.send(octets)
         sys.stdout.write(json.dumps({"event": "ready"}) + "\n")
         sys.stdout.flush()
         translator, samples = Translator(True, session.before), 0
