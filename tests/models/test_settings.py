@@ -42,7 +42,10 @@ def named_in_documents() -> list[str]:
     return found + [f"classics/{row.split('`')[1]} {options}" for row in table for options in OPTION.findall(row)]
 
 
-SETTINGS = sorted({*tried_in_models(), *named_in_documents()})
+TOO_LARGE = {"micro_xrce_dds/client_3_0.ta -D LOSSES=5 --property NIWS_weak --trace none"}
+"""The search through 110 million states that docs/performance.md measures."""
+
+SETTINGS = sorted({*tried_in_models(), *named_in_documents()} - TOO_LARGE)
 
 
 @pytest.mark.parametrize("setting", SETTINGS)
