@@ -11,7 +11,6 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
 from tachk.simulation.testing.arrivals import Arrival
 from tachk.simulation.testing.program_system import StreamedProgram
-from tachk.simulation.testing.real_time import RealTimeSystem
 from tachk.simulation.testing.system_adapter import SeenOutput
 from tachk.xrce.bridge.packets import Translator
 from tachk.xrce.bridge.session import ClientSession
@@ -22,18 +21,18 @@ from tachk.xrce.testing.peer import (
     QUIET,
     TO_AGENT,
     TO_CLIENT,
+    ProgramBySocket,
     command_with_port,
     sent_events,
     start_deadline,
     word_of,
 )
 
-_SECONDS_TO_END: Final = 0.1
 _KEY: Final = b"tchk"
 _TOPIC: Final = "Numbers"
 
 
-class TestedAgent(RealTimeSystem):
+class TestedAgent(ProgramBySocket):
     """A program with an Agent. The test sets a session up; the model starts when it is answered and nothing more comes.
 
     What the program writes is its log, and ignored.
@@ -43,24 +42,23 @@ class TestedAgent(RealTimeSystem):
 
     def __init__(self, command: str, nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        super().__init__(nanoseconds)
         self._agent: Address = HOST, free_port()
-        self._program = StreamedProgram(command_with_port(command, self._agent[1]))
-        self._socket = PacketSocket()
+        program = StreamedProgram(command_with_port(command, self._agent[1]))
+        super().__init__(program, PacketSocket(), nanoseconds)
         self._session = ClientSession(_KEY, _TOPIC, reads=True, writes=True)
         self._translator = Translator(True, self._session.before)
 
     def start(self) -> None:
-        self._program.spawn()
-        self._program.read_into(self.arrivals, PROGRAM)
-        self._socket.read_into(self._take)
+        self.program.spawn()
+        self.program.read_into(self.arrivals, PROGRAM)
+        self.socket.read_into(self._take)
         deadline = start_deadline()
         while not self._session.is_open:
             now = time.monotonic_ns()
             self.check()
             if now > deadline:
                 raise UsageError(
-                    f"{self._program.command[0]} does not answer CREATE_CLIENT at port {self._agent[1]}",
+                    f"{self.program.command[0]} does not answer CREATE_CLIENT at port {self._agent[1]}",
                     "an Agent of eProsima is started with: MicroXRCEAgent udp4 -p {port} -m ced",
                 )
             self._send(self._session.due(now))
@@ -79,26 +77,12 @@ class TestedAgent(RealTimeSystem):
 
     def _send(self, packets: list[bytes]) -> None:
         for octets in packets:
-            self._socket.send(octets, self._agent)
+            self.socket.send(octets, self._agent)
 
     def send(self, name: str, cells: Mapping[str, Cell]) -> Fraction:
         octets = self._translator.packet(word_of(name, cells, TO_AGENT))
-        return self.units(self._socket.send(octets, self._agent))
+        return self.units(self.socket.send(octets, self._agent))
 
     def outputs(self, arrival: Arrival) -> Iterator[SeenOutput]:
         if arrival.source == PACKET:
             yield from sent_events(arrival.octets, self._translator, TO_CLIENT, self.units(arrival.moment))
-
-    def check(self) -> None:
-        if self.arrivals.is_over or self._program.is_over(self.arrivals):
-            raise self._program.ended()
-
-    def waited(self) -> Fraction:
-        return self.duration(self._program.waited())
-
-    def close(self) -> None:
-        self._program.end(_SECONDS_TO_END)
-        self._socket.close()
-
-    def abandon(self) -> None:
-        self.close()

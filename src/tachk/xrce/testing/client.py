@@ -5,14 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
 from tachk.simulation.testing.arrivals import Arrival
 from tachk.simulation.testing.event_lines import READY, event_line, line_output, read_line
 from tachk.simulation.testing.program_system import StreamedProgram
-from tachk.simulation.testing.real_time import RealTimeSystem
 from tachk.simulation.testing.system_adapter import SeenOutput
 from tachk.xrce.bridge.packets import Translator
 from tachk.xrce.bridge.session import AgentSession
@@ -23,48 +21,47 @@ from tachk.xrce.testing.peer import (
     PROGRAM,
     TO_AGENT,
     TO_CLIENT,
+    ProgramBySocket,
     command_with_port,
     sent_events,
     start_deadline,
     word_of,
 )
 
-_SECONDS_TO_END: Final = 0.1
 
-
-class TestedClient(RealTimeSystem):
+class TestedClient(ProgramBySocket):
     """A program with a client. The test answers its set-up; the model starts when the program says that it is ready."""
 
     __test__ = False  # pytest takes it for a test
 
     def __init__(self, command: str, nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        super().__init__(nanoseconds)
-        self._socket = PacketSocket()
+        socket = PacketSocket()
         try:
-            self._program = StreamedProgram(command_with_port(command, self._socket.port))
+            program = StreamedProgram(command_with_port(command, socket.port))
         except UsageError:
-            self._socket.close()
+            socket.close()
             raise
+        super().__init__(program, socket, nanoseconds)
         self._session = AgentSession()
         self._peer: Address | None = None
 
     def start(self) -> None:
-        self._program.spawn()
-        self._program.read_into(self.arrivals, PROGRAM)
-        self._socket.read_into(self._take)
+        self.program.spawn()
+        self.program.read_into(self.arrivals, PROGRAM)
+        self.socket.read_into(self._take)
         deadline, ready = start_deadline(), None
         while ready is None:
             arrival = self.arrivals.next(deadline)
             if arrival is None:
-                raise self._program.not_ready()
+                raise self.program.not_ready()
             if arrival.source == PACKET:
                 self._answer(arrival)
             elif read_line(arrival.octets)[0] == READY:
                 ready = arrival
         if not self._session.is_open or self._peer is None:
             raise UsageError(
-                f"{self._program.command[0]} is ready, but it has created nothing at port {self._socket.port}",
+                f"{self.program.command[0]} is ready, but it has created nothing at port {self.socket.port}",
                 "let it say so when the Agent has confirmed its objects",
             )
         self._translator = Translator(False, self._session.before)
@@ -79,15 +76,15 @@ class TestedClient(RealTimeSystem):
     def _answer(self, arrival: Arrival) -> None:
         assert self._peer is not None
         for octets in self._session.arrived(arrival.octets, time.monotonic_ns()):
-            self._socket.send(octets, self._peer)
+            self.socket.send(octets, self._peer)
 
     def send(self, name: str, cells: Mapping[str, Cell]) -> Fraction:
         if name == ARRIVED:
             assert self._peer is not None
             octets = self._translator.packet(word_of(name, cells, TO_CLIENT))
-            return self.units(self._socket.send(octets, self._peer))
+            return self.units(self.socket.send(octets, self._peer))
         moment = time.monotonic_ns()
-        self._program.write(event_line(name, cells))
+        self.program.write(event_line(name, cells))
         return self.units(moment)
 
     def outputs(self, arrival: Arrival) -> Iterator[SeenOutput]:
@@ -96,17 +93,3 @@ class TestedClient(RealTimeSystem):
             yield line_output(arrival.octets, moment)
         elif moment >= 0:  # what is older belongs to the set-up
             yield from sent_events(arrival.octets, self._translator, TO_AGENT, moment)
-
-    def check(self) -> None:
-        if self.arrivals.is_over or self._program.is_over(self.arrivals):
-            raise self._program.ended()
-
-    def waited(self) -> Fraction:
-        return self.duration(self._program.waited())
-
-    def close(self) -> None:
-        self._program.end(_SECONDS_TO_END)
-        self._socket.close()
-
-    def abandon(self) -> None:
-        self.close()

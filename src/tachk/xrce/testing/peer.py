@@ -15,9 +15,11 @@ from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
-from tachk.simulation.testing.program_system import command_of
+from tachk.simulation.testing.program_system import StreamedProgram, command_of
+from tachk.simulation.testing.real_time import RealTimeSystem
 from tachk.simulation.testing.system_adapter import SeenOutput
 from tachk.xrce.bridge.packets import KINDS, ProtocolWord, Translator, submessages_of
+from tachk.xrce.testing.packet_socket import PacketSocket
 
 ARRIVED: Final = "arrived"
 SENT: Final = "sent"
@@ -26,7 +28,32 @@ PORT: Final = "{port}"
 PROGRAM, PACKET = "program", "packet"
 QUIET: Final = 100_000_000
 """Nanoseconds without a packet after which the set-up is taken to be over."""
+SECONDS_TO_END: Final = 0.1
 _SECONDS_TO_BEGIN: Final = 30
+
+
+class ProgramBySocket(RealTimeSystem):
+    """What a real client and a real Agent have in common: a program, and the socket by which the test speaks to it."""
+
+    def __init__(self, program: StreamedProgram, socket: PacketSocket, nanoseconds: Fraction) -> None:
+        """Args: nanoseconds: of a unit of the model."""
+        super().__init__(nanoseconds)
+        self.program = program
+        self.socket = socket
+
+    def check(self) -> None:
+        if self.arrivals.is_over or self.program.is_over(self.arrivals):
+            raise self.program.ended()
+
+    def waited(self) -> Fraction:
+        return self.duration(self.program.waited())
+
+    def close(self) -> None:
+        self.program.end(SECONDS_TO_END)
+        self.socket.close()
+
+    def abandon(self) -> None:
+        self.close()
 
 
 def command_with_port(text: str, port: int) -> list[str]:

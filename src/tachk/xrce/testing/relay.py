@@ -20,6 +20,7 @@ from tachk.xrce.testing.peer import (
     ARRIVED,
     PROGRAM,
     QUIET,
+    SECONDS_TO_END,
     TO_AGENT,
     TO_CLIENT,
     command_with_port,
@@ -30,7 +31,6 @@ from tachk.xrce.testing.peer import (
 )
 
 BETWEEN: Final = " -- "
-_SECONDS_TO_END: Final = 0.1
 _LOG, _FROM_CLIENT, _FROM_AGENT = "log", "client", "agent"
 
 
@@ -145,8 +145,8 @@ class TestedSession(RealTimeSystem):
         return self.duration(self._client_program.waited() + self._agent_program.waited())
 
     def close(self) -> None:
-        self._client_program.end(_SECONDS_TO_END)
-        self._agent_program.end(_SECONDS_TO_END)
+        self._client_program.end(SECONDS_TO_END)
+        self._agent_program.end(SECONDS_TO_END)
         self._to_client.close()
         self._to_agent.close()
 
