@@ -12,10 +12,11 @@ from tachk.model.run import TimedTrace
 from tachk.recordings.monitors.formulas import NamedFormula
 from tachk.recordings.traces.node_signal import Truth
 from tachk.simulation.formulas import columns_with, truths_on
-from tachk.simulation.stepping import scenario_text
+from tachk.simulation.stepping import run_scenario
 from tachk.simulation.stepping.run_file import SUFFIX, run_text
 from tachk.simulation.stepping.signals import signals_of
 from tachk.simulation.tables import run_writer
+from tachk.syntax.printing.scenario_text import scenario_name
 
 
 def write_run(
@@ -35,8 +36,8 @@ def write_run(
     if output.suffix.lower() == SUFFIX:
         write_whole(output, run_text(names, run, [f"a run of {model}"], constants))
         return
-    if output.suffix.lower() == scenario_text.SUFFIX:
-        write_whole(output, scenario_text.scenario_of_run(names, run, scenario_text.scenario_name(output)))
+    if output.suffix.lower() == run_scenario.SUFFIX:
+        write_whole(output, run_scenario.scenario_of_run(names, run, scenario_name(output)))
         return
     recorded = signals_of(names, columns_with(names.network, record, formulas), run, str(output), decimal_times=True)
     if not recorded.exact:

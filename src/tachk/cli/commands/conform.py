@@ -166,7 +166,7 @@ def _write_scenario(found: Sequence[Conformance], file: Path) -> None:
     """Raises UsageError for several recordings."""
     from tachk.base.whole_files import write_whole
     from tachk.recordings.conformance.recorded_scenario import scenario_of_recording
-    from tachk.simulation.stepping.scenario_text import scenario_name
+    from tachk.syntax.printing.scenario_text import scenario_name
 
     if len(found) > 1:
         raise UsageError("a scenario is made of one recording", "name one FILE with --scenario")

@@ -10,6 +10,7 @@ from tachk.model.recording import VisibleEvents
 from tachk.model.traversal import walk
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.event_streams import EventStream, channel_variable
+from tachk.syntax.printing.scenario_text import scenario_text
 
 
 def scenario_of_recording(found: Conformance, name: str) -> str:
@@ -40,7 +41,7 @@ def scenario_of_recording(found: Conformance, name: str) -> str:
         bounds = f"from {max(window[0] - before[1], 0)} to {max(window[1] - before[0], 0)} "
         lines.append(bounds + _event(stream, place))
         before = window
-    return "".join([f"scenario {name} {{\n", *(f"    {line};\n" for line in lines), "}\n"])
+    return scenario_text(name, lines)
 
 
 def _event(stream: EventStream, place: int) -> str:

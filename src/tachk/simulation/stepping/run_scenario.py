@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from fractions import Fraction
 from math import ceil, floor
-from pathlib import Path
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.meaning.discrete import channel_of, meta_values
@@ -14,14 +12,9 @@ from tachk.meaning.run_view import RunNames
 from tachk.model.expressions import VariableKind
 from tachk.model.run import DiscreteState, TimedTrace, Transition
 from tachk.model.types import BoolType, IntType, slot_count
+from tachk.syntax.printing.scenario_text import scenario_text
 
 SUFFIX = ".ta"
-
-
-def scenario_name(file: Path) -> str:
-    """A name for the scenario in a file."""
-    name = re.sub(r"\W", "_", file.stem)
-    return f"run_{name}" if name[:1].isdigit() else name
 
 
 def scenario_of_run(names: RunNames, run: TimedTrace, name: str) -> str:
@@ -33,7 +26,7 @@ def scenario_of_run(names: RunNames, run: TimedTrace, name: str) -> str:
     lines = list(_events(names, run))
     if not lines:
         raise UsageError("nothing happens on a global channel in this run, so it makes no scenario")
-    return "".join([f"scenario {name} {{\n", *(f"    {line};\n" for line in lines), "}\n"])
+    return scenario_text(name, lines)
 
 
 def _events(names: RunNames, run: TimedTrace) -> Iterator[str]:
