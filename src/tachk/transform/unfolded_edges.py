@@ -28,7 +28,9 @@ class EdgePair:
 
 @dataclass(frozen=True, slots=True)
 class UnfoldedNetwork(Transformation):
-    """``pairs``: for each process those that its edges stand for."""
+    """Attributes:
+    pairs: by process and number of an edge of this network, the pair of edges of the original that it stands for.
+    """
 
     pairs: tuple[tuple[EdgePair, ...], ...]
 

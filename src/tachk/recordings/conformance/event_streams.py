@@ -287,7 +287,8 @@ def is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
 
 
 def with_words(visible: VisibleEvents, cells: Iterable[tuple[str, int]]) -> Iterator[tuple[str, Cell]]:
-    """The cells of an event, with names of locations in place of the values that stand for them."""
+    """The cells of an event as a recording writes them: a column that shows where a process is has the name of the
+    location, and not its number."""
     for column, value in cells:
         words = {number: word for word, number in visible.words.get(column, {}).items()}
         yield column, words.get(value, value)

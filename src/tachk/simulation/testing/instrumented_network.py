@@ -163,7 +163,7 @@ def _noting_edge(edge: Edge, visible: VisibleEvents, noted: Mapping[str, Term]) 
         return edge
     if channel_variable(sync.channel) is not channel_variable(visible.channel):
         return edge
-    given = _givenchannel_indices(sync.channel)
+    given = _given_indices(sync.channel)
     changed = written_variables(edge.updates)
     if any(isinstance(node, Reference) and node.variable in changed for node in _parts(given)):
         raise UsageError(
@@ -190,7 +190,7 @@ def _where(conditions: Sequence[Expression], update: Expression) -> Expression:
     return replace(update, value=value)
 
 
-def _givenchannel_indices(channel: Expression) -> list[Expression]:
+def _given_indices(channel: Expression) -> list[Expression]:
     found: list[Expression] = []
     while isinstance(channel, Index):
         found.insert(0, channel.index)
