@@ -47,6 +47,7 @@ def test_few_modules_open_the_door_to_the_core() -> None:
         "simulation/testing/modelled_system.py",
         "engine/state_estimate.py",
         "engine/portfolio.py",
+        "engine/taking_turns.py",
         "engine/simulated_runs.py",
         "engine/closed_set.py",
         "engine/core_search.py",

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tachk.engine import zone
+from tachk.engine import taking_turns, zone
 from tachk.engine.options import Options
 from tachk.engine.portfolio import PORTFOLIO
 from tachk.verify import over_approximations, strategies
@@ -57,7 +57,8 @@ def with_search_budgets(monkeypatch: pytest.MonkeyPatch, name: str | None = None
     budget = {"early_work": 0, **budget} if "after" in budget else budget
     chosen = [row.name for row in PORTFOLIO if (row.is_bounded if name is None else row.name == name)]
     rows = [replace(row, **budget) if row.name in chosen else row for row in zone.PORTFOLIO]
-    monkeypatch.setattr(zone, "PORTFOLIO", tuple(rows))
+    for module in (zone, taking_turns):
+        monkeypatch.setattr(module, "PORTFOLIO", tuple(rows))
 
 
 @contextmanager

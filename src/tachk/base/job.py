@@ -90,6 +90,7 @@ class Job:
         progress: follows its searches.
         about: the names of the queries that it answers.
         interruption: shared by the jobs in which an interruption of one ends all.
+        is_unneeded: tells if nobody needs the result any more.
     """
 
     ends: float | None = None
@@ -97,6 +98,7 @@ class Job:
     progress: Progress | None = None
     about: tuple[str, ...] = ()
     interruption: _Interruption | None = None
+    is_unneeded: Callable[[], bool] | None = None
 
     @property
     def seconds_left(self) -> float | None:
@@ -128,7 +130,9 @@ class Job:
         self.check_memory(more)
 
     def check_memory(self, more: int = 0) -> None:
-        """Raises StoppedError if the process is too large: for a search of the core, which has the time itself."""
+        """As `check`, but for the time: for a search of the core, which has that itself."""
+        if self.is_unneeded is not None and self.is_unneeded():
+            raise StoppedError
         if self.ceiling is not None:
             self.ceiling.check(more)
 
@@ -147,8 +151,8 @@ def check_job(more: int = 0) -> None:
     job = _current.get()
     if job.ends is not None and monotonic() >= job.ends:  # as `Job.check`, without two calls
         raise OutOfTimeError
-    if job.ceiling is not None:
-        job.ceiling.check(more)
+    if job.ceiling is not None or job.is_unneeded is not None:
+        job.check_memory(more)
 
 
 @contextmanager
@@ -192,6 +196,17 @@ def followed(progress: Progress | None) -> Iterator[None]:
     """A part of a job whose searches report their progress; None: as the job around it does."""
     outer = _current.get()
     with under_way(outer if progress is None else replace(outer, progress=progress)):
+        yield
+
+
+@contextmanager
+def stopped_if(is_unneeded: Callable[[], bool]) -> Iterator[None]:
+    """A part of a job that is stopped by a StoppedError soon after nobody needs its result any more.
+
+    Args:
+        is_unneeded: tells so; it may be called in inner loops.
+    """
+    with under_way(replace(_current.get(), is_unneeded=is_unneeded)):
         yield
 
 

@@ -140,7 +140,8 @@ class Options:
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
             for a short proof that there is no run; for `-->` it does so at once. 2**32 - 1: never.
         processes: how many searches for different queries run at the same time, each in a process of its own, once a
-            second has passed; 0: as many as the machine has cores, up to eight. On Windows one.
+            second has passed; 0: as many as the machine has cores, up to eight. On Windows one. Where there are more
+            than searches, `attempts` run beside each in a thread of its own.
         without: what is switched off, by name: strategies (`tachk.verify.strategies`), and the `REDUCTIONS`.
         shortest: find paths of as few transitions as possible; with BFS only, which AUTO then is. It may take more
             states: a state is dropped for a larger one only if that is not further from the initial state.

@@ -1,7 +1,7 @@
 """Searches of the core that may answer in the place of the ordinary one, which explores all states.
 
 A portfolio as that of whole queries (`tachk.verify.strategies`): each row says how a search is begun, what can be
-believed of its outcome, and how long it may take. The loop is `tachk.engine.zone.explore`. A row has its turn once the
+believed of its outcome, and how long it may take. The loop is `tachk.engine.taking_turns`. A row has its turn once the
 ordinary search has done so much work, and that search goes on if the row decides nothing. A row that grows has its
 turn again each time the ordinary search has done twice as much, with a budget in proportion. Work is counted in states
 of a small network (`Explorer::effort`), not in seconds, so that the same run is found each time.
@@ -34,6 +34,8 @@ that they are not noticed."""
 _EARLY, _LARGE_ZONE = 500, 10_000
 _TENTH_OF_A_SECOND = 20_000
 """The work of about so long. Where less is enough the search answers by itself: others find longer runs."""
+BESIDE_FROM = _TENTH_OF_A_SECOND
+"""From so much work on, turns are taken beside the search where there are cores: a thread is begun for them."""
 _STATES_OF_A_RUN, _ZONES_OF_A_RUN = 16, 3
 """What a run depth first may take: states for each process, and zones for each pair of processes. In TChecker's leader
 election it takes 12 and 2.3."""
@@ -184,6 +186,8 @@ class BudgetedSearch:
             status = self._search.run(step, None if end is None else max(end - time.perf_counter(), 0.0), poll)
             if status is not _core.Status.RUNNING:
                 return status
+            if poll is not None:
+                poll()
             expansions -= step
             self._until_check -= step
             if self._left is not None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tachk import _core
 from tachk.base.job import OutOfMemoryError
-from tachk.base.records import dataclass, replace
+from tachk.base.records import replace
 from tachk.engine.compiler.program import Goal, Program
 from tachk.engine.core_search import (
     RUN_TIME_ERROR,
@@ -18,15 +18,15 @@ from tachk.engine.core_search import (
     fault_of,
     fault_of_goal,
     run_in_slices,
-    statistics_of,
     transitions_of,
     user_seconds,
 )
 from tachk.engine.options import Extrapolation, Limits, Options
 from tachk.engine.outcome import INTERRUPTED, MACHINE_OUT_OF_MEMORY, FoundPath, GoalOutcome, Outcome, Statistics, Status
-from tachk.engine.portfolio import PORTFOLIO, BudgetedSearch, SearchProblem, SearchStrategy
+from tachk.engine.portfolio import PORTFOLIO, SearchProblem, SearchStrategy
 from tachk.engine.program_image import encode
 from tachk.engine.reduced_statistics import with_orbits
+from tachk.engine.taking_turns import EndedSearch, from_portfolio, measured
 
 if TYPE_CHECKING:
     from tachk.engine.portfolio import GoalSearch
@@ -73,7 +73,7 @@ def short_runs(
     """
     begun = time.perf_counter(), user_seconds()
     problem = SearchProblem(program, goals, options, limits, _explorer(program, goals, options, limits))
-    ended = _Ended(problem.ordinary, _core.Status.RUNNING, "", Statistics())
+    ended = EndedSearch(problem.ordinary, _core.Status.RUNNING, "", Statistics())
     for row in reversed(PORTFOLIO):  # those of `best-first` are shorter than those that are drawn
         search = row.begin(problem) if row.short_work and row.is_allowed(options, limits) else None
         if search is None or isinstance(search, _core.LocalExplorer):
@@ -81,10 +81,10 @@ def short_runs(
         status, reason = replace(row, work=row.short_work, longest=_SHORT_RUN).run(search)
         if row.decides(problem, search, status) and _are_short(goals, search):
             if not _doubtful(program, goals, options, search):
-                ended = _Ended(search, _core.Status.FINISHED, "", _statistics(search, begun), row.name)
+                ended = EndedSearch(search, _core.Status.FINISHED, "", measured(search, begun), row.name)
                 break
         if SearchStrategy.is_stopped(status, reason):
-            ended = _Ended(problem.ordinary, status, reason, _statistics(problem.ordinary, begun))
+            ended = EndedSearch(problem.ordinary, status, reason, measured(problem.ordinary, begun))
             break
     return _outcome_of(program, goals, options, ended)[0]
 
@@ -129,132 +129,33 @@ def leads_to(
     return _explorer(program, goals, exact, Limits()).leads_to(actions, goal)
 
 
-@dataclass(frozen=True, slots=True)
-class _Ended:
-    """A search that has ended, with its last status and why that is not FINISHED.
-
-    Attributes:
-        name: of the row of the portfolio, if it has a budget.
-    """
-
-    search: GoalSearch
-    status: _core.Status
-    reason: str
-    statistics: Statistics
-    name: str = ""
-
-
 def _search(program: Program, goals: Sequence[Goal], options: Options, limits: Limits) -> tuple[Outcome, list[int]]:
     """The outcome of the first search of the portfolio that decides all goals, else of the ordinary one; and the goals
     that may be REACHED only seemingly."""
     begun = time.perf_counter(), user_seconds()
     problem = SearchProblem(program, goals, options, limits, _explorer(program, goals, options, limits))
     try:
-        ended = _from_portfolio(problem, begun)
+        ended = from_portfolio(problem, begun, lambda search: not _doubtful(program, goals, options, search))
     except (MemoryError, OutOfMemoryError) as error:
         # In the midst of a state: the search cannot go on from there.
         reason = error.reason if isinstance(error, OutOfMemoryError) else MACHINE_OUT_OF_MEMORY
-        ended = _Ended(problem.ordinary, _core.Status.RUNNING, reason, _statistics(problem.ordinary, begun))
+        ended = EndedSearch(problem.ordinary, _core.Status.RUNNING, reason, measured(problem.ordinary, begun))
     return _outcome_of(program, goals, options, ended)
 
 
-def _from_portfolio(problem: SearchProblem, begun: tuple[float, float]) -> _Ended:
-    """How the first search ended that decides, or that is stopped. Raises MemoryError and OutOfMemoryError."""
-    options, ordinary = problem.options, problem.ordinary
-    fitted = (row.fitted(row, problem).from_the_start(problem.program) for row in PORTFOLIO)
-    turns = [row for row in fitted if row.is_allowed(options, problem.limits)]
-    tried: dict[str, GoalSearch] = {}
-    main = _MainSearch(problem, begun)
-    while turns:
-        strategy = min(turns, key=lambda row: row.after)
-        if strategy.after > 0 and (ended := main.run(strategy.after)) is not None:
-            return ended
-        turns.remove(strategy)
-        search = tried.get(strategy.name) or strategy.begin(problem)
-        if search is None:
-            continue
-        if isinstance(search, _core.LocalExplorer):
-            main.continue_with(strategy, search)
-            continue
-        tried[strategy.name] = search
-        status, reason = strategy.run(search)
-        if strategy.decides(problem, search, status) and not _doubtful(problem.program, problem.goals, options, search):
-            return _Ended(search, _core.Status.FINISHED, "", main.then(search), strategy.name)
-        if strategy.is_stopped(status, reason):
-            return _Ended(ordinary, status, reason, _statistics(ordinary, begun))
-        if status is _core.Status.STATE_LIMIT and strategy.share > 0:
-            later = strategy.later()
-            if later.is_allowed(options, problem.limits):
-                turns.append(later)
-    return main.to_the_end()
-
-
-class _MainSearch:
-    """The search that explores all states: the ordinary one, or that over local times as long as nothing stops it.
-
-    Args:
-        begun: the time, and the time in user mode, when the search began.
-    """
-
-    def __init__(self, problem: SearchProblem, begun: tuple[float, float]) -> None:
-        self._problem, self._begun = problem, begun
-        self._search: _core.Explorer | _core.LocalExplorer = problem.ordinary
-        self._row: SearchStrategy | None = None
-
-    def continue_with(self, row: SearchStrategy, search: _core.LocalExplorer) -> None:
-        """From now on this search of a row of the portfolio is the main one, and its states are those that count."""
-        self._row, self._search = row, search
-
-    def run(self, effort: int) -> _Ended | None:
-        """Goes on until so much work is done: how the search ended, if it did."""
-        while True:
-            part = BudgetedSearch(self._search, effort=effort)
-            status, reason = run_in_slices(part, self._begun[0])
-            if part.is_used_up:
-                return None
-            if (ended := self._ended(status, reason)) is not None:
-                return ended
-
-    def to_the_end(self) -> _Ended:
-        while True:
-            ended = self._ended(*run_in_slices(self._search, self._begun[0]))
-            if ended is not None:
-                return ended
-
-    def _ended(self, status: _core.Status, reason: str) -> _Ended | None:
-        """The end of the search; None where the ordinary one has to go on in its place."""
-        if self._row is None or self._row.decides(self._problem, self._search, status):
-            return _Ended(self._search, status, reason, _statistics(self._search, self._begun))
-        ordinary = self._problem.ordinary
-        self._row, self._search = None, ordinary
-        if SearchStrategy.is_stopped(status, reason):
-            return _Ended(ordinary, status, reason, _statistics(ordinary, self._begun))
-        return None
-
-    def then(self, other: GoalSearch) -> Statistics:
-        """The work that was done, and that of another search."""
-        # The clock of the second search has run since the first one began.
-        done = replace(_statistics(self._search, self._begun), seconds=0.0, user_seconds=0.0)
-        return done.then(_statistics(other, self._begun))
-
-
-def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> _Ended:
+def _to_the_end(explorer: _core.Explorer, begun: tuple[float, float]) -> EndedSearch:
     """Runs a search.
 
     Args:
         begun: the time, and the time in user mode, when the search began.
     """
     status, reason = run_in_slices(explorer, begun[0])
-    return _Ended(explorer, status, reason, _statistics(explorer, begun))
+    return EndedSearch(explorer, status, reason, measured(explorer, begun))
 
 
-def _statistics(search: GoalSearch, begun: tuple[float, float]) -> Statistics:
-    found = replace(statistics_of(search, begun[0]), user_seconds=user_seconds() - begun[1])
-    lost = search.lost() if isinstance(search, _core.Explorer) else 0
-    return replace(found, local_times=isinstance(search, _core.LocalExplorer), lost=lost)
-
-
-def _outcome_of(program: Program, goals: Sequence[Goal], options: Options, ended: _Ended) -> tuple[Outcome, list[int]]:
+def _outcome_of(
+    program: Program, goals: Sequence[Goal], options: Options, ended: EndedSearch
+) -> tuple[Outcome, list[int]]:
     """The outcome of a search, and the goals REACHED only seemingly."""
     search, statistics = ended.search, ended.statistics
     fault = None

@@ -167,11 +167,15 @@ def _answer(
     trace: bool,
     search: Search,
     limits: Limits,
+    processes: int,
 ) -> dict[int, Verdict]:
-    """The verdicts about the tasks of a search, by number. What was decided before is kept, wherever Ctrl-C comes."""
+    """The verdicts about the tasks of a search, by number, on so many cores.
+
+    What was decided before is kept, wherever Ctrl-C comes.
+    """
     try:
         with limited(limits.seconds, limits.memory_bytes):
-            return _analysed(model, search, options, limits, trace)
+            return _analysed(model, search, replace(options, processes=processes), limits, trace)
     except StoppedError as error:
         return none_begun(search.tasks, error.reason)
     except MemoryError:

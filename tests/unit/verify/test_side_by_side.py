@@ -18,7 +18,7 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED, TIME_LIMIT, Statistics
 from tachk.model.query import Query
 from tachk.verify.plan import Analysis, Search, Task
-from tachk.verify.scheduling import in_order
+from tachk.verify.scheduling import in_order, side_by_side
 from tachk.verify.scheduling.in_order import Shares
 from tachk.verify.scheduling.side_by_side import SideBySide
 from tachk.verify.verdict import Answer, Verdict, none_begun
@@ -74,7 +74,7 @@ def found(query: Query) -> Verdict:
     return Verdict(query, Answer.HOLDS, True, "", Statistics())
 
 
-def answered(answer: in_order.Answer, processes: int = 2) -> dict[int, Verdict]:
+def answered(answer: side_by_side.Answer, processes: int = 2) -> dict[int, Verdict]:
     return SideBySide(searches(), answer, lambda search: Limits()).answered(processes)
 
 

@@ -172,7 +172,8 @@ _SECTIONS = {
     default=EVERY_CORE,
     show_default="the cores of this machine, up to 8",
     help="How many searches for different properties run at the same time, each in a process of its own, once a second "
-    "has passed. --max-memory and --max-states hold for each. On Windows one.",
+    "has passed. Cores that are left take the attempts beside each. --max-memory and --max-states hold for each. On "
+    "Windows one.",
 )
 @click.option(
     "every_trace",

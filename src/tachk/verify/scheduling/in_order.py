@@ -18,8 +18,8 @@ from tachk.verify.verdict import Verdict, none_begun
 ALONE = 1.0
 """After so many seconds other processes are worth while."""
 
-Answer = Callable[[Search, Limits], dict[int, Verdict]]
-"""The function that finds the verdicts of a search, by the numbers of its tasks."""
+Answer = Callable[[Search, Limits, int], dict[int, Verdict]]
+"""The function that finds the verdicts of a search, by the numbers of its tasks, on so many cores."""
 
 
 class Shares:
@@ -80,8 +80,13 @@ def in_order(
 
             begin = partial(shares.begin, processes=processes)
             rest = sorted(searches[number:], key=lambda search: not search.explores_everything)
-            return verdicts | SideBySide(rest, answer, begin).answered(processes)
+            cores = max(processes // len(rest), 1)
+            return verdicts | SideBySide(rest, _on(cores, answer), begin).answered(processes)
         else:
             with answering(search.names):
-                verdicts |= answer(search, shares.begin(search))
+                verdicts |= answer(search, shares.begin(search), processes)
     return verdicts
+
+
+def _on(cores: int, answer: Answer) -> Callable[[Search, Limits], dict[int, Verdict]]:
+    return lambda search, limits: answer(search, limits, cores)
