@@ -288,7 +288,7 @@ PORTFOLIO = (
         early_work=150,
         short_work=16,
         share=1 / 64,
-        long_share=1 / 8,
+        long_share=3 / 64,
     ),
     SearchStrategy(
         "local-times",
@@ -308,7 +308,7 @@ PORTFOLIO = (
         early_work=100,
         short_work=100,
         share=1 / 64,
-        long_share=1 / 32,
+        long_share=1 / 64,
     ),
     SearchStrategy(
         "one-order",
@@ -330,7 +330,7 @@ PORTFOLIO = (
         early_work=400,
         fitted=_with_many_processes,
         share=1 / 64,
-        long_share=1 / 32,
+        long_share=1 / 64,
     ),
 )
 """What is explored within the budgets is little beside the work that has been done."""

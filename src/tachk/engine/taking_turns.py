@@ -84,7 +84,7 @@ class _Turn:
 class _Turns:
     def __init__(self, problem: SearchProblem, begun: Begun, stands: Callable[[GoalSearch], bool]) -> None:
         self._problem, self._begun, self._stands = problem, begun, stands
-        self._main = _MainSearch(problem, begun, self._is_over)
+        self._main = _MainSearch(problem, begun)
         self._has_cores = _has_cores(problem.options)
         self._beside: WorkBeside | None = None
         self._taken: dict[str, _Turn] = {}
@@ -98,7 +98,7 @@ class _Turns:
         rows = [row for row in fitted if row.is_allowed(options, limits)]
         while rows:
             row = min(rows, key=lambda row: row.after)
-            if row.after > 0 and (ended := self._main.run(row.after)) is not None:
+            if row.after > 0 and (ended := self._main.run(self._is_over, row.after)) is not None:
                 return self._first_of(ended)
             rows.remove(row)
             search = self._search_of(row)
@@ -109,7 +109,7 @@ class _Turns:
                     return ended
                 if row.share > 0 and (later := row.later()).is_allowed(options, limits):
                     rows.append(later)
-        return self._first_of(self._main.to_the_end())
+        return self._first_of(self._main.to_the_end(self._is_over))
 
     def _search_of(self, row: SearchStrategy) -> GoalSearch | None:
         """The search of a row, from where its last turn has left it; None if it has nothing to do."""
@@ -180,14 +180,10 @@ class _Turns:
 
 
 class _MainSearch:
-    """The search that explores all states: the ordinary one, or that over local times as long as nothing stops it.
+    """The search that explores all states: the ordinary one, or that over local times as long as nothing stops it."""
 
-    Args:
-        is_unneeded: tells if something else has decided, so that it is to stop.
-    """
-
-    def __init__(self, problem: SearchProblem, begun: Begun, is_unneeded: Callable[[], bool]) -> None:
-        self._problem, self._begun, self._is_unneeded = problem, begun, is_unneeded
+    def __init__(self, problem: SearchProblem, begun: Begun) -> None:
+        self._problem, self._begun = problem, begun
         self._search: _core.Explorer | _core.LocalExplorer = problem.ordinary
         self._row: SearchStrategy | None = None
 
@@ -195,19 +191,23 @@ class _MainSearch:
         """From now on this search of a row of the portfolio is the main one, and its states are those that count."""
         self._row, self._search = row, search
 
-    def run(self, effort: int | None = None) -> EndedSearch | None:
-        """Goes on until so much work is done: how the search ended, if it did."""
+    def run(self, is_unneeded: Callable[[], bool], effort: int | None = None) -> EndedSearch | None:
+        """Goes on until so much work is done: how the search ended, if it did.
+
+        Args:
+            is_unneeded: tells if something else has decided: the search is stopped soon after.
+        """
         while True:
             part = BudgetedSearch(self._search, effort=effort)
-            with stopped_if(self._is_unneeded):
+            with stopped_if(is_unneeded):
                 status, reason = run_in_slices(part, self._begun[0])
             if part.is_used_up:
                 return None
             if (ended := self._ended(status, reason)) is not None:
                 return ended
 
-    def to_the_end(self) -> EndedSearch:
-        ended = self.run()
+    def to_the_end(self, is_unneeded: Callable[[], bool]) -> EndedSearch:
+        ended = self.run(is_unneeded)
         assert ended is not None
         return ended
 

@@ -74,6 +74,19 @@ def test_a_small_turn_comes_before_the_first_one_of_a_budget_in_proportion(monke
     assert probe.from_the_start(replace(many, edges=many.edges * 100)) is probe
 
 
+def test_turns_that_grow_take_a_fifth_of_the_work_at_most() -> None:
+    rows = [row for row in portfolio.PORTFOLIO if row.share > 0]
+    done = 0
+    for _ in range(60):
+        row = min(rows, key=lambda row: row.after)
+        assert row.work is not None
+        done += row.work
+        assert done <= 0.2 * row.after
+        rows[rows.index(row)] = later = row.later()
+        assert later.work is not None and later.work >= 2 * row.work and later.after >= 2 * row.after
+    assert rows[0].after > 10**9
+
+
 def test_the_time_of_both_searches_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     clock, begin, later = time.perf_counter, portfolio.PORTFOLIO[-1].begin, [0.0]
 

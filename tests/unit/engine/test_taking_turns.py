@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 import time
@@ -138,6 +139,18 @@ def test_what_goes_wrong_beside_goes_wrong(monkeypatch: pytest.MonkeyPatch) -> N
     with_search_budgets(monkeypatch, "probe", begin=lambda problem: Wrong())
     with pytest.raises(ZeroDivisionError, match="beside"):
         verdict(NEVER, TWO)
+
+
+def test_no_search_outlives_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a circle of references: its memory is free at once."""
+    with_search_budgets(monkeypatch, after=100)
+    gc.collect()
+    gc.disable()
+    try:
+        verdict(NEVER, TWO, Limits(states=2000))
+        assert not any(isinstance(one, taking_turns._Turns | taking_turns._MainSearch) for one in gc.get_objects())
+    finally:
+        gc.enable()
 
 
 def test_one_core_takes_turns_in_its_own_thread(monkeypatch: pytest.MonkeyPatch) -> None:
