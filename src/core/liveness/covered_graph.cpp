@@ -41,14 +41,17 @@ struct CoveredGraph::Stepping {
 
 CoveredGraph::Answer CoveredGraph::advance(SymbolicState& source) {
   if (path_.empty() && steps_.empty()) {
-    if (!begin(source)) return Answer::proved;
+    if (!begin(source)) return circles_.circular().empty() ? Answer::proved : Answer::circles;
   } else if (!path_.empty() && steps_.size() == path_.back().first) {
-    colours_[path_.back().state] = Colour::black;
+    circles_.leave(path_.back().state);
     path_.pop_back();
   } else {
     const State state = steps_.back();
     steps_.pop_back();
-    if (colours_[state] == Colour::white && !visit(state, source)) return Answer::open;
+    if (!circles_.is_new(state))
+      circles_.join(state);
+    else if (!visit(state, source))
+      return Answer::open;
   }
   return open_ ? Answer::open : Answer::unknown_yet;
 }
@@ -56,7 +59,7 @@ CoveredGraph::Answer CoveredGraph::advance(SymbolicState& source) {
 // Notes where runs begin, if that is not done yet; false if it is.
 bool CoveredGraph::begin(SymbolicState& source) {
   PassedList& states = reachable_.states();
-  colours_.resize(states.size(), Colour::white);
+  circles_.resize(states.size());
   if (begins_ == nullptr) {
     if (std::exchange(next_, 1) != 0) return false;
     if (const CoveringSteps* recorded = reachable_.steps())
@@ -66,7 +69,7 @@ bool CoveredGraph::begin(SymbolicState& source) {
     return true;
   }
   for (; next_ < states.size(); ++next_) {
-    if (states.covered(next_) || colours_[next_] != Colour::white) continue;
+    if (states.covered(next_) || !circles_.is_new(next_)) continue;
     states.unpack(next_, source.slots.data());
     if (begins_->in(source.slots.data(), source.zone.get()) == TruthInZone::never) continue;
     if (restriction_.avoided().in(source.slots.data(), source.zone.get()) == TruthInZone::always) continue;
@@ -77,9 +80,10 @@ bool CoveredGraph::begin(SymbolicState& source) {
 }
 
 void CoveredGraph::step(State state) {
-  colours_.resize(reachable_.states().size(), Colour::white);
-  if (colours_[state] == Colour::grey) open_ = true;
-  if (colours_[state] == Colour::white) steps_.push_back(state);
+  if (circles_.is_new(state))
+    steps_.push_back(state);
+  else if (!path_.empty())
+    circles_.join(state);
 }
 
 void CoveredGraph::step(CoveringSteps::Reader recorded) {
@@ -88,7 +92,7 @@ void CoveredGraph::step(CoveringSteps::Reader recorded) {
 
 // False if a run may end in the state.
 bool CoveredGraph::visit(State state, SymbolicState& source) {
-  colours_[state] = Colour::grey;
+  circles_.enter(state);
   path_.push_back({state, steps_.size()});
   if (const CoveringSteps* recorded = reachable_.steps()) {
     step(recorded->from(state));

@@ -3,12 +3,16 @@
 // these steps has no circle among those where the predicate can be false, and no run can end in them, then there is no
 // such run. The converse is wrong: covering a state by a larger one can close a circle that no run goes through (F.
 // Herbreteau, B. Srivathsan, T. Tran, I. Walukiewicz, "Why liveness for timed automata is hard, and what we can do
-// about it", FSTTCS 2016, who search like this first).
+// about it", FSTTCS 2016, who search like this first, and then only where there are circles).
+//
+// A run that does not end takes a path of this graph: from some moment on it stays in one strongly connected component,
+// and each of its states lies in a state on a circle. So it is enough to look for it there.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "liveness/circles.hpp"
 #include "liveness/covering_steps.hpp"
 #include "liveness/ends.hpp"
 #include "liveness/predicate.hpp"
@@ -23,7 +27,8 @@ class CoveredGraph final {
   enum class Answer {
     unknown_yet,
     proved,
-    open,  // there may be a run or not
+    circles,  // each run comes to states on circles for ever
+    open,     // there may be a run or not
   };
 
   // `reachable` has gone through all states, of the restricted graph if its own restriction is this one; if it has
@@ -36,12 +41,16 @@ class CoveredGraph final {
   // Looks at one more state. Throws ModelFault, ConstantOverflow; then too the question is open.
   Answer advance(symbolic::SymbolicState& source);
 
+  // Behind the answer `circles`: the states that lie on one.
+  const std::vector<std::uint32_t>& circular() const { return circles_.circular(); }
+  // How many states have been looked at.
+  std::uint32_t entered() const { return circles_.entered(); }
+
   std::uint64_t explored() const { return explored_; }
   std::uint64_t transitions() const { return transitions_; }
-  std::size_t bytes() const { return colours_.capacity() + (steps_.capacity() + path_.capacity()) * sizeof(State); }
+  std::size_t bytes() const { return circles_.bytes() + (steps_.capacity() + path_.capacity()) * sizeof(State); }
 
  private:
-  enum class Colour : std::uint8_t { white, grey, black };
   using State = std::uint32_t;
   // A state on the path, with the steps from it that have not been taken: those from `first` to the next one's.
   struct Visit {
@@ -60,7 +69,7 @@ class CoveredGraph final {
   Ends& ends_;
   Reachable& reachable_;
   Predicate* begins_;
-  std::vector<Colour> colours_;  // of the states
+  Circles circles_;
   std::vector<Visit> path_;
   std::vector<State> steps_;  // where those on the path and the initial ones lead
   State next_ = 0;

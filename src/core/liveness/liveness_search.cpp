@@ -19,6 +19,8 @@ using zones::Atom;
 
 namespace {
 
+constexpr std::size_t few = 256;  // so many states on circles are soon gone through
+
 bool has_deadlock_literal(const std::vector<Goal>& goals) {
   for (const Goal& goal : goals)
     for (const program::Disjunct& disjunct : goal.disjuncts)
@@ -76,6 +78,8 @@ bool LivenessSearch::advance() {
       return true;
     case Stage::proving:
       return prove();
+    case Stage::circling:
+      return circle();
     case Stage::descending:
       break;
   }
@@ -148,7 +152,51 @@ bool LivenessSearch::prove() {
   }
   if (answer == CoveredGraph::Answer::unknown_yet) return true;
   proved_ = answer == CoveredGraph::Answer::proved;
-  overview_.stage = Stage::descending;
+  overview_.stage = answer == CoveredGraph::Answer::circles && follow_circles() ? Stage::circling : Stage::descending;
+  return !proved_;
+}
+
+// Prepares the search among the states that lie on circles; false where those are too many for it to pay.
+bool LivenessSearch::follow_circles() {
+  Overview& all = overview_;
+  const std::vector<std::uint32_t>& circular = all.proof->circular();
+  if (circular.size() > few && circular.size() * 2 > all.proof->entered()) return false;
+  NestedSearch& search = among_circles_.emplace(graph_, restriction_, ends_, options_, limits_.depth);
+  for (const std::uint32_t state : circular) {
+    zones::Patience::check();
+    all.reachable.states().unpack(state, source_.slots.data());
+    search.know(source_.slots.data());
+  }
+  return true;
+}
+
+// One step among the states that lie on circles; false if no run stays there.
+bool LivenessSearch::circle() {
+  Overview& all = overview_;
+  NestedSearch& search = *among_circles_;
+  try {
+    if (!search.idle()) {
+      search.advance();
+      if (search.found()) all.stage = Stage::descending;
+      return true;
+    }
+    const std::vector<std::uint32_t>& circular = all.proof->circular();
+    if (next_circular_ < circular.size()) {
+      const std::uint32_t state = circular[next_circular_++];
+      all.reachable.states().unpack(state, source_.slots.data());
+      graph_.unpack(all.reachable.states(), state, source_);
+      search.start_among_known(source_);
+      return true;
+    }
+  } catch (const ModelFault&) {  // as in `prove`
+    all.stage = Stage::descending;
+    return true;
+  } catch (const ConstantOverflow&) {
+    all.stage = Stage::descending;
+    return true;
+  }
+  proved_ = search.complete();
+  all.stage = Stage::descending;
   return !proved_;
 }
 
@@ -225,7 +273,10 @@ Status LivenessSearch::run(std::uint64_t steps) {
       [&] { return keeping_faults(fault_, [&] { return search(steps); }, [&] { return path_so_far(); }); });
 }
 
-std::uint64_t LivenessSearch::stored() const { return overview_.reachable.states().stored() + nested_.stored(); }
+std::uint64_t LivenessSearch::stored() const {
+  const std::uint64_t on_circles = among_circles_ ? among_circles_->stored() : 0;
+  return overview_.reachable.states().stored() + nested_.stored() + on_circles;
+}
 
 reachability::Statistics LivenessSearch::statistics() const {
   const Reachable& reachable = overview_.reachable;
@@ -235,6 +286,11 @@ reachability::Statistics LivenessSearch::statistics() const {
     sum.explored += overview_.proof->explored();
     sum.transitions += overview_.proof->transitions();
     sum.bytes += overview_.proof->bytes();
+  }
+  if (among_circles_) {
+    sum.explored += among_circles_->explored();
+    sum.transitions += among_circles_->transitions();
+    sum.bytes += among_circles_->bytes();
   }
   return sum;
 }

@@ -9,6 +9,9 @@
 //
 // Before it, or once it has taken a while, a search breadth first looks for a proof that there is no run
 // (CoveredGraph): depth first, runs are found soon, but to see that there is none takes several times as many states.
+// Where the covered graph has circles, a search depth first among the discrete states of those completes the proof: a
+// run stays there from some moment on, and its states from then on lie in states from which that search begins. What
+// it finds is a run from a reachable state, but of p --> q none from where p holds: then the search goes on as without.
 //
 // A loop w ->+ v with w inside v is an infinite run: every valuation of v is simulated by one that a valuation of w
 // leads to, hence for any number of rounds some valuation of w can go them all. Dropping is sound because a valuation
@@ -63,7 +66,7 @@ class LivenessSearch final {
   bool gets_stuck(const symbolic::Path& actions, std::size_t begins);
 
  private:
-  enum class Stage { reaching, proving, descending };
+  enum class Stage { reaching, proving, circling, descending };
   // Where runs begin, and what is reachable: of p --> q all states, else those of the restricted graph.
   struct Overview {
     std::optional<Predicate> begins;  // none: the initial states
@@ -87,6 +90,8 @@ class LivenessSearch final {
   void reach();
   void note_beginning();
   bool prove();
+  bool follow_circles();
+  bool circle();
   bool descend();
   bool start();
   bool complete() const { return proved_ || (overview_.complete && nested_.complete()); }
@@ -100,6 +105,8 @@ class LivenessSearch final {
   Ends ends_;
   Overview overview_;
   NestedSearch nested_;
+  std::optional<NestedSearch> among_circles_;
+  std::size_t next_circular_ = 0;  // of the states on circles, the next one from which it begins
   symbolic::SymbolicState source_;
   bool proved_ = false;
   std::optional<Violation> violation_;

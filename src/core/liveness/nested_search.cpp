@@ -43,8 +43,10 @@ struct NestedSearch::Descending {
     }
   }
   bool wants(const Successor& successor) const {
+    const std::uint32_t discrete = search.passed_.locate();
+    if (discrete >= search.known_) return false;
     return !search.subsumption_ ||
-           !search.passed_.covers(search.passed_.locate(), search.graph_.packed(successor.slots, successor.zone));
+           !search.passed_.covers(discrete, search.graph_.packed(successor.slots, successor.zone));
   }
   void take(const Successor& successor) const { search.push(successor); }
 };
@@ -53,6 +55,16 @@ void NestedSearch::start() { graph_.start(Descending{*this}); }
 
 void NestedSearch::start_in(symbolic::SymbolicState& state, Predicate& begins) {
   restriction_.beginnings(begins, state, [&](const Successor& part) { push_sorted(part); });
+}
+
+void NestedSearch::know(const std::int32_t* slots) {
+  passed_.announce(slots, program::SlotSet::all());
+  passed_.locate();
+  known_ = passed_.discrete_states();
+}
+
+void NestedSearch::start_among_known(symbolic::SymbolicState& state) {
+  restriction_.remaining(state, [&](const Successor& part) { push_sorted(part); });
 }
 
 void NestedSearch::advance() {
@@ -93,6 +105,7 @@ void NestedSearch::push_sorted(const Successor& part) {
 void NestedSearch::push(const Successor& successor) {
   if (closing_) return;
   const std::uint32_t discrete = passed_.locate();
+  if (discrete >= known_) return;
   const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
   if (passed_.contains(discrete, zone, subsumption_)) return;
   const std::uint32_t open = stack_.find_below(discrete, zone, subsumption_);

@@ -28,6 +28,11 @@ class NestedSearch final {
   void start();
   // Pushes those parts of a state in which runs begin.
   void start_in(symbolic::SymbolicState& state, Predicate& begins);
+  // Keeps the search among the discrete states that it knows from now on: runs that leave them are not looked for. To
+  // be called before anything is pushed.
+  void know(const std::int32_t* slots);
+  // Pushes those parts of a state in which the predicate does not hold.
+  void start_among_known(symbolic::SymbolicState& state);
   // Looks at the state on top. Throws ModelFault, ConstantOverflow.
   void advance();
 
@@ -68,6 +73,7 @@ class NestedSearch final {
   Ends& ends_;
   bool subsumption_;
   std::uint32_t depth_limit_;
+  std::uint32_t known_ = UINT32_MAX;  // discrete states with this number and larger ones are left out
   states::PassedList passed_;
   SearchStack stack_;
   symbolic::SymbolicState source_;

@@ -52,6 +52,25 @@ class Restriction final {
     }
   }
 
+  // Calls take(successor) for each part of a reached state in which the predicate does not hold, with the delays that
+  // avoid it. Throws ModelFault, ConstantOverflow.
+  template <class Take>
+  void remaining(symbolic::SymbolicState& state, Take&& take) {
+    std::int32_t* slots = state.slots.data();
+    const symbolic::Successor whole{{}, slots, state.zone.get()};
+    switch (avoided_.in(slots, state.zone.get())) {
+      case TruthInZone::always:
+        return;
+      case TruthInZone::never:
+        return take(whole);
+      case TruthInZone::by_clocks:
+        break;
+    }
+    std::vector<zones::Atom> invariant;
+    graph_.semantics().invariant(slots, invariant);
+    parts(whole, invariant, take);
+  }
+
   // Calls take(successor) for each part of a reached state in which `begins` holds and the predicate does not, with the
   // delays that avoid the predicate. Throws ModelFault, ConstantOverflow.
   template <class Take>
