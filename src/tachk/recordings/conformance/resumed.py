@@ -21,8 +21,8 @@ from tachk.model.variable_layout import default_values
 from tachk.recordings.conformance.rejection import FinalState
 from tachk.recordings.conformance.trace_product import TraceProduct
 
-_PRODUCT = "recording."
-"""So the names of variables begin that belong to the processes which follow a recording."""
+_PRODUCT, _SETTER = "recording.", "resumed."
+"""So the names of variables begin that belong to the processes which follow a recording, and to what is added here."""
 
 
 def resumed(product: TraceProduct, before: TraceProduct, end: FinalState) -> TraceProduct | None:
@@ -42,13 +42,14 @@ def resumed(product: TraceProduct, before: TraceProduct, end: FinalState) -> Tra
     order = _oldest_first(zone)
     if order is None:
         return None
-    builder = NetworkBuilder("resumed.", VariableKind.GLOBAL)
+    builder = NetworkBuilder(_SETTER, VariableKind.GLOBAL)
     wake = builder.channel("wake", broadcast=True)
+    awake = builder.boolean("awake", False)
     processes = [
         _sleeping(process, location, wake)
         for process, location in zip(product.network.processes, end.locations, strict=True)
     ]
-    values = _values(product, before, end)
+    values = [*_values(product, before, end), awake.assign(True)]
     processes.append(_setter(clocks, zone, order, wake, values))
     network = replace(
         product.network,
@@ -56,7 +57,7 @@ def resumed(product: TraceProduct, before: TraceProduct, end: FinalState) -> Tra
         variables=(*product.network.variables, *builder.variables),
         hidden=(*product.network.hidden, processes[-1].name),
     )
-    return replace(product, network=network)
+    return replace(product, network=network, done=(Term(product.done) & awake).expression)
 
 
 def _sleeping(process: Process, location: int, wake: Term) -> Process:
@@ -143,6 +144,8 @@ def _values(product: TraceProduct, before: TraceProduct, end: FinalState) -> lis
     found: list[Term] = []
     for variable, values in end.values.items():
         if id(variable) in positions or variable in before.tables or before.network.resets(variable):
+            continue
+        if variable.name.startswith(_SETTER):
             continue
         target = own.get(variable.name) if variable.name.startswith(_PRODUCT) else variable
         if target is not None:
