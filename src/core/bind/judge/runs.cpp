@@ -69,6 +69,15 @@ struct PathOfRun {
     }
   }
 
+  std::optional<runs::StateOfRun> state(const runs::Moments& moments, std::size_t transitions) const {
+    const nb::gil_scoped_release released;
+    try {
+      return runs::state_after(program, path, moments, transitions);
+    } catch (const machine::ModelFault&) {
+      return std::nullopt;
+    }
+  }
+
   std::optional<runs::RunObjection> objection(runs::Moments moments) const {
     const nb::gil_scoped_release released;
     try {
@@ -110,7 +119,15 @@ void bind_runs(nb::module_& m) {
             using Answer = std::tuple<std::size_t, std::string>;
             return found ? std::optional(Answer{found->step, found->reason}) : std::nullopt;
           },
-          nb::arg("unit"), nb::arg("ticks"), "(number of the step, what is wrong with it), or None if all is right.");
+          nb::arg("unit"), nb::arg("ticks"), "(number of the step, what is wrong with it), or None if all is right.")
+      .def(
+          "state",
+          [](const PathOfRun& self, std::int64_t unit, const Column& ticks, std::size_t transitions) -> nb::object {
+            const auto found = self.state({unit, {ticks.data(), ticks.data() + ticks.shape(0)}}, transitions);
+            return found ? nb::make_tuple(found->slots, found->clocks) : nb::object(nb::none());
+          },
+          nb::arg("unit"), nb::arg("ticks"), nb::arg("transitions"),
+          "(slots, ticks that each clock shows) right after so many transitions, or None.");
 }
 
 }  // namespace tachk::bind

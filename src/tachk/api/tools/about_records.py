@@ -14,6 +14,7 @@ from tachk.base.diagnostics.render import render
 from tachk.base.job import StoppedError
 from tachk.meaning.judge.replay import ReplayError
 from tachk.recordings.conformance.conform import Conformance, run_by_reference
+from tachk.recordings.conformance.stretches import LongRun
 from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text
 
@@ -70,8 +71,8 @@ def _evidence(found: Conformance) -> Iterator[Evidence]:
         yield Evidence("recording", EvidenceKind.NONE, False, "the answer of the search")
     for number, run in enumerate(found.runs, 1):
         about = "recording" if len(found.runs) == 1 else f"recording, part {number}"
-        size = len(run.path)
-        if size > _LONGEST:
+        size = run.transitions
+        if isinstance(run, LongRun) or size > _LONGEST:
             yield Evidence(
                 about, EvidenceKind.RUN, False, f"a run of {size} transitions is too long to be replayed here"
             )

@@ -42,15 +42,45 @@ def exact_run(program: Program, goal: Goal, actions: Sequence[Sequence[int]]) ->
     Args:
         actions: the numbers of the edges of each transition.
     """
+    found = timed_path(program, goal, actions)
+    return (None, found) if isinstance(found, str) else (found.moments, "")
+
+
+@dataclass(frozen=True, slots=True)
+class RunState:
+    """Attributes:
+    slots: those of the state.
+    clocks: the ticks that each clock shows.
+    """
+
+    slots: tuple[int, ...]
+    clocks: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TimedPath:
+    """A path with moments that the judge accepts."""
+
+    path: _core.PathOfRun
+    moments: Moments
+
+    def state_after(self, transitions: int) -> RunState | None:
+        """The state right after so many transitions; None where clocks stop."""
+        found = self.path.state(self.moments.unit, array("q", self.moments.ticks), transitions)
+        return None if found is None else RunState(tuple(found[0]), tuple(found[1]))
+
+
+def timed_path(program: Program, goal: Goal, actions: Sequence[Sequence[int]]) -> TimedPath | str:
+    """The path with the moments of `exact_run`, or why there are none."""
     path = _core.PathOfRun(encode(program, [goal]), actions)
     found = path.earliest()
     if found is None:
-        return None, "no times were found"
+        return "no times were found"
     unit, ticks = found
     objection = path.objection(unit, array("q", ticks))
     if objection is not None:
-        return None, f"step {objection[0]}: {objection[1]}"
-    return Moments(tuple(ticks), unit), ""
+        return f"step {objection[0]}: {objection[1]}"
+    return TimedPath(path, Moments(tuple(ticks), unit))
 
 
 def end_of_path(program: Program, actions: Sequence[Sequence[int]]) -> tuple[tuple[int, ...], tuple[int, ...]] | None:

@@ -7,7 +7,8 @@ runs of all parts that are apart are a run of the whole. Where neither says yes 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from itertools import accumulate
 from math import ceil, lcm
@@ -41,6 +42,7 @@ from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.rejection import PossibleEvent, enabled_events, end_of, state_text
+from tachk.recordings.conformance.stretches import LONG, LongRun, follow
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 LONGEST_BY_REFERENCE = 100
@@ -120,6 +122,22 @@ class ConformingRun:
     path: tuple[Transition, ...]
     moments: Moments | None
 
+    @property
+    def modelled(self) -> tuple[int, ...]:
+        """The numbers in the model of its processes."""
+        return self.product.modelled
+
+    @property
+    def transitions(self) -> int:
+        """How many it has."""
+        return len(self.path)
+
+    @property
+    def taken(self) -> Mapping[tuple[int, int], int]:
+        """How often it takes edges, each by the numbers of its process and of it."""
+        lifted = filter(None, map(self.product.lift_transition, self.path))
+        return Counter((p.process, p.edge) for transition in lifted for p in transition.participants)
+
 
 @dataclass(frozen=True, slots=True)
 class Reached:
@@ -163,7 +181,7 @@ class Conformance:
     recording: EventLog
     streams: EventStreams
     statistics: Statistics
-    runs: tuple[ConformingRun, ...] = ()
+    runs: tuple[ConformingRun | LongRun, ...] = ()
     refusal: Rejection | None = None
     reached: tuple[Reached, ...] = ()
     reason: str = ""
@@ -198,6 +216,11 @@ def conform(
     tolerance = mapping.tolerance if tolerance is None else tolerance
     late = mapping.late if late is None else late
     late = tolerance if late is None else late
+    if len(recording.events) > LONG:
+        followed = follow(network, mapping, recording, constants, (tolerance, late), options, limits, divide)
+        if followed is not None:
+            long, statistics, runs = followed.streams, followed.statistics, followed.runs
+            return Conformance(True, tolerance, late, network.time_unit, recording, long, statistics, runs)
     streams = make_streams(network, mapping, recording, constants, tolerance, late)
     modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
     whole = IndependentComponent(modelled, tuple(range(len(streams.streams))))

@@ -33,10 +33,8 @@ def coverage(network: Network, found: Iterable[Conformance]) -> tuple[Covered, .
     taken: Counter[tuple[int, int]] = Counter()
     modelled: set[int] = set()
     for run in (run for each in found for run in each.runs):
-        modelled.update(run.product.modelled)
-        for transition in map(run.product.lift_transition, run.path):
-            for participant in () if transition is None else transition.participants:
-                taken[participant.process, participant.edge] += 1
+        modelled.update(run.modelled)
+        taken.update(run.taken)
     return tuple(
         Covered(
             network.processes[number].name,

@@ -103,10 +103,7 @@ def make_streams(
 ) -> EventStreams:
     """The streams of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
     for its clocks."""
-    scale = _scale(network, recording)
-    first = recording.events[0].time if recording.events else Fraction(0)
-    spread = max(tolerance, late)
-    origin = first - spread / scale if recording.start is None else recording.start
+    origin, scale = origin_of(network, recording, (tolerance, late))
     modelled = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
     reader = EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
@@ -173,9 +170,19 @@ def _passed(
 def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
     """For each stream the last event that has happened, if there is one, and the next one."""
     bases = [max(count - 1, 0) for count in happened]
+    return _between(streams, bases, [count + 1 for count in happened])
+
+
+def behind(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
+    """The events of each stream behind those that have happened."""
+    return _between(streams, happened, [len(stream.events) for stream in streams.streams])
+
+
+def _between(streams: EventStreams, bases: Sequence[int], tops: Sequence[int]) -> EventStreams:
+    """Of each stream the events from one place on and before another one."""
     shortened = []
-    for stream, base, count in zip(streams.streams, bases, happened, strict=True):
-        component = slice(base, count + 1)
+    for stream, base, top in zip(streams.streams, bases, tops, strict=True):
+        component = slice(base, top)
         shortened.append(
             replace(
                 stream,
@@ -192,6 +199,18 @@ def around(streams: EventStreams, happened: Sequence[int]) -> EventStreams:
             )
         )
     return replace(streams, streams=tuple(shortened))
+
+
+def origin_of(network: Network, recording: EventLog, exact: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+    """The time of the recording at which the model starts, and the units of the model in a unit of the recording.
+    Raises UsageError.
+
+    Args:
+        exact: the tolerance and the lateness.
+    """
+    scale = _scale(network, recording)
+    first = recording.events[0].time if recording.events else Fraction(0)
+    return first - max(exact) / scale if recording.start is None else recording.start, scale
 
 
 def _scale(network: Network, recording: EventLog) -> Fraction:

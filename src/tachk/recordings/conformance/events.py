@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from tachk.base.records import dataclass, field
+from tachk.base.records import dataclass, field, replace
 
 Cell = int | str
 """A number, or the name of a constant of the model; ``true`` and ``false`` are 1 and 0."""
@@ -69,10 +69,26 @@ class EventLog:
     """
 
     source: str
-    events: tuple[RecordedEvent, ...]
+    events: Sequence[RecordedEvent]
     unit: Fraction | None
     start: Fraction | None
     end: Fraction
     closings: tuple[Closing, ...] = ()
     epoch: int = 0
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def excerpt(log: EventLog, first: int, top: int) -> EventLog:
+    """The events from a number on and before another one, recorded up to the last of them; of the last events of the
+    recording up to its end."""
+    events = tuple(_earlier_by(event, first) for event in log.events[first:top])
+    end = log.end if top >= len(log.events) or not events else events[-1].time
+    closings = tuple(closing for closing in log.closings if closing.time <= end)
+    return replace(log, events=events, end=end, closings=closings)
+
+
+def _earlier_by(event: RecordedEvent, first: int) -> RecordedEvent:
+    """The event where the recording begins with the event of this number."""
+    if event.after is None or not first:
+        return event
+    return replace(event, after=event.after - first if event.after >= first else None)

@@ -84,10 +84,14 @@ def end_of(
         actions: the path by the numbers of the edges of the program.
     """
     found = end_of_path(program, actions)
-    return end_by_reference(product, path) if found is None else _end_in_slots(product, *found)
+    if found is None:
+        return end_by_reference(product, path)
+    slots, bounds = found
+    return end_in_slots(product, slots, Zone(isqrt(len(bounds)), bounds) if bounds else None)
 
 
-def _end_in_slots(product: TraceProduct, slots: tuple[int, ...], bounds: tuple[int, ...]) -> FinalState:
+def end_in_slots(product: TraceProduct, slots: tuple[int, ...], zone: Zone | None) -> FinalState:
+    """The state that the slots of a program of the network hold."""
     place = processes = len(product.network.processes)
     values = {}
     for variable in product.network.all_variables():
@@ -95,7 +99,7 @@ def _end_in_slots(product: TraceProduct, slots: tuple[int, ...], bounds: tuple[i
             count = slot_count(variable.type)
             values[variable] = slots[place : place + count]
             place += count
-    return FinalState(slots[:processes], values, (Zone(isqrt(len(bounds)), bounds),) if bounds else ())
+    return FinalState(slots[:processes], values, () if zone is None else (zone,))
 
 
 def end_by_reference(product: TraceProduct, path: Sequence[Transition]) -> FinalState:
