@@ -38,15 +38,20 @@ class DdsXrce:
         return samples_in(detail)
 
     def check_room(self, recording: EventLog, constants: Constants) -> None:
-        from tachk.xrce.conformance.payloads import BEST_EFFORT, most_pieces
+        from tachk.xrce.conformance.payloads import BEST_EFFORT, PieceCounter
 
-        own = [event.cells for event in recording.events if CLIENT in event.cells]
-        largest = max((detail for cells in own if isinstance(detail := cells.get("detail"), int)), default=0)
-        clients = len({str(cells[CLIENT]).strip() for cells in own})  # a log has text where a capture has numbers
-        best_effort = any(cells.get("kind") == BEST_EFFORT for cells in own)
+        largest, clients, best_effort, pieces = 0, set[str](), False, PieceCounter()
+        for event in recording.events:
+            cells = event.cells
+            if CLIENT in cells:
+                clients.add(str(cells[CLIENT]).strip())  # a log has text where a capture has numbers
+                detail = cells.get("detail")
+                largest = max(largest, detail) if isinstance(detail, int) else largest
+                best_effort |= cells.get("kind") == BEST_EFFORT
+            pieces.add(event)
         for name, found, what in (
-            ("CLIENTS", clients, "clients (or sessions)"),
-            ("PIECES", most_pieces(recording), "pieces of one sample before its last one"),
+            ("CLIENTS", len(clients), "clients (or sessions)"),
+            ("PIECES", pieces.most(), "pieces of one sample before its last one"),
             ("LARGEST_WORD", largest, "as content of a message that carries several samples"),
         ):
             known = constants(name)

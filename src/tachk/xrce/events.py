@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import BinaryIO, Final
 
+import numpy as np
 from construct import Container
 
 from tachk.base.records import dataclass
 from tachk.xrce import wire
 from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.messages import Endpoint
+from tachk.xrce.packets import Numbers
 from tachk.xrce.serial_line import NO_ENDPOINT, SerialDecoder
 from tachk.xrce.submessages import Submessages, parsed, payload
 from tachk.xrce.wire import SubmessageKind
@@ -97,16 +99,19 @@ _BEFORE_SAMPLE: Final = 4
 _KINDS: Final = {kind.value: kind for kind in SubmessageKind}
 
 
-def events(found: Submessages, endpoints: list[Endpoint]) -> Iterator[SubmessageEvent]:
-    """Submessages one by one."""
+def events(found: Submessages, endpoints: list[Endpoint], entries: Numbers | None = None) -> Iterator[SubmessageEvent]:
+    """Submessages one by one: all of them, or those of some entries."""
     messages = found.messages
+    chosen = np.arange(len(found.message)) if entries is None else entries
+    message = found.message[chosen]
     header = zip(
-        *(column[found.message].tolist() for column in (messages.packets, messages.times, messages.clients)),
-        *(column[found.message].tolist() for column in (messages.agents, messages.to_agent)),
-        *(column.tolist() for column in (found.place, found.kind, found.session, found.stream, found.sequence)),
+        chosen.tolist(),
+        *(column[message].tolist() for column in (messages.packets, messages.times, messages.clients)),
+        *(column[message].tolist() for column in (messages.agents, messages.to_agent)),
+        *(column[chosen].tolist() for column in (found.place, found.kind, found.session, found.stream, found.sequence)),
         strict=True,
     )
-    for entry, row in enumerate(header):
+    for entry, *row in header:
         packet, time, client, agent, to_agent, place, number, session, stream, sequence = row
         kind = _KINDS.get(number)
         yield SubmessageEvent(

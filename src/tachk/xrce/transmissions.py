@@ -6,25 +6,27 @@ twice, and one that was lost is there once. Elsewhere that is not known.
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from tachk.base.records import dataclass
+import numpy as np
+
+from tachk.base.records import dataclass, replace
 from tachk.xrce.capture_decoder import CaptureDecoder
-from tachk.xrce.datagrams import Datagrams, datagrams
+from tachk.xrce.datagrams import Datagrams, Flags, datagrams
 from tachk.xrce.events import DEFAULT_PORT, SubmessageEvent, events
+from tachk.xrce.legs import Leg, Legs, MessageColumns, with_ends
+from tachk.xrce.matching import matched
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.packets import CaptureError, read_packets
+from tachk.xrce.packets import CaptureError, Numbers, read_packets
 from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.serial_repair import repaired
-from tachk.xrce.wire import COOKIE, SESSION_IDS_NONE, SubmessageKind
+from tachk.xrce.submessages import Submessages
+from tachk.xrce.wire import COOKIE, SubmessageKind
 
-_LONGEST_RELAY: Final = 5_000_000_000
-"""Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
+_FEW: Final = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,28 +119,86 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
 
     Raises CaptureError for what is not a capture, OSError for a file that cannot be read.
     """
-    wanted = set(ports)
-    if not wanted:
+    found = open_transmissions(path, ports)
+    return Capture(found.links, tuple(found), found.problem)
+
+
+def open_transmissions(path: Path, ports: Iterable[int] = ()) -> Transmissions:
+    """The same, to be read one by one, as often as one likes: of a long capture only what is needed stays in memory."""
+    given = set(ports)
+    wanted = given
+    if not given:
         with path.open("rb") as stream:
             wanted = {DEFAULT_PORT, *session_ports(stream)}
+    found = _of_network(path, wanted)
+    return found if len(found) or given else _of_serial_line(path)
+
+
+def _of_network(path: Path, ports: set[int]) -> Transmissions:
+    legs = Legs()
     with path.open("rb") as stream:
-        network = CaptureDecoder(stream, wanted)
-        found = _recording(_legs(network), network.problem)
-    if found.transmissions or set(ports):
-        return found
+        decoder = CaptureDecoder(stream, ports)
+        for piece in decoder.pieces():
+            legs.add(piece, decoder.endpoints, frozenset())
+
+    def again(wanted: Flags) -> Iterator[_NumberedEvents]:
+        with path.open("rb") as stream:
+            decoder = CaptureDecoder(stream, ports)
+            first = 0
+            for piece in decoder.pieces():
+                known = with_ends(piece)
+                numbers = np.where(known, np.cumsum(known) - 1 + first, -1)
+                first += int(known.sum())
+                yield from _numbered_events(piece, decoder.endpoints, numbers, wanted)
+
+    return _together(legs.all(), decoder.problem, legs.messages, again)
+
+
+def _of_serial_line(path: Path) -> Transmissions:
+    """Whose times may be those of reading, so that it is read once."""
+    legs = Legs()
+    held: list[_NumberedEvents] = []
     with path.open("rb") as stream:
         decoder = SerialDecoder(stream, repair=repaired)
-        return _recording(_on_one_line(_legs(decoder)), decoder.problem)
+        for piece in decoder.pieces():
+            numbers = legs.add(piece, decoder.endpoints, decoder.dropped)
+            held += _numbered_events(piece, decoder.endpoints, numbers, None)
+    found = _together(_on_one_line(legs.all()), decoder.problem, legs.messages, lambda wanted: iter(()))
+
+    def again(wanted: Flags) -> Iterator[_NumberedEvents]:
+        return (each for each in held if wanted[each[0]])
+
+    return replace(found, again=again)
 
 
-def _legs(decoder: CaptureDecoder | SerialDecoder) -> list[_Leg]:
-    legs: dict[tuple[Endpoint, Endpoint], _Leg] = {}
-    for message in _messages(decoder):
-        legs.setdefault((message.client, message.agent), _Leg(message.client, message.agent)).add(message)
-    return list(legs.values())
+_NumberedEvents = tuple[int, tuple[SubmessageEvent, ...]]
+"""The number of a message, and its submessages."""
 
 
-def _on_one_line(legs: list[_Leg]) -> list[_Leg]:
+def _numbered_events(
+    piece: Submessages, endpoints: list[Endpoint], numbers: Numbers, wanted: Flags | None
+) -> Iterator[_NumberedEvents]:
+    """The messages of a piece with their submessages.
+
+    Args:
+        numbers: of the messages, -1 for those that are left out.
+        wanted: by number, whether a message is; None: all are.
+    """
+    of_entry = numbers[piece.message]
+    chosen = of_entry >= 0 if wanted is None else (of_entry >= 0) & wanted[of_entry]
+    entries = np.flatnonzero(chosen)
+    number, inside = -1, list[SubmessageEvent]()
+    for each, event in zip(of_entry[entries].tolist(), events(piece, endpoints, entries), strict=True):
+        if each != number and inside:
+            yield number, tuple(inside)
+            inside = []
+        number = each
+        inside.append(event)
+    if inside:
+        yield number, tuple(inside)
+
+
+def _on_one_line(legs: list[Leg]) -> list[Leg]:
     """With the messages of addresses that have no session as those of the client that has one: the CRC of a frame does
     not cover its addresses, so they may be damaged."""
     clients = [leg for leg in legs if leg.creation is not None]
@@ -147,6 +207,132 @@ def _on_one_line(legs: list[_Leg]) -> list[_Leg]:
     (client,) = clients
     client.take(leg for leg in legs if leg is not client)
     return clients
+
+
+@dataclass(frozen=True, slots=True)
+class Transmissions:
+    """The transmissions of a capture, in the order in which they were sent.
+
+    Attributes:
+        links, problem: as in `Capture`.
+        rows: of each the number of its message, the number of its link, whether the client sent it, and how many
+            arrivals it has; -1 if nobody looked.
+        arrivals: of all of them, one behind the other: the times and the packets.
+        messages: how many messages there are in the capture.
+        again: reads the messages once more, of which a column says whether they are wanted.
+    """
+
+    links: tuple[Link, ...]
+    problem: str
+    rows: Numbers
+    arrivals: Numbers
+    messages: int
+    again: Callable[[Flags], Iterator[_NumberedEvents]]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[Transmission]:
+        wanted = np.zeros(self.messages, np.bool_)
+        wanted[self.rows[:, 0]] = True
+        read = self.again(wanted)
+        early: dict[int, tuple[SubmessageEvent, ...]] = {}
+        first = 0
+        for number, link, to_agent, count in _rows(self.rows):
+            while number not in early:
+                other, inside = next(read)
+                early[other] = inside
+            inside = early.pop(number)
+            seen = None
+            if count >= 0:
+                places = self.arrivals[first : first + count].tolist()
+                seen = tuple(TransmissionArrival(time, packet) for time, packet in places)
+                first += count
+            yield Transmission(link, to_agent != 0, inside[0].time, inside[0].packet, seen, inside)
+
+
+def _rows(rows: Numbers) -> Iterator[list[int]]:
+    """Some thousand at a time become Python's numbers."""
+    for first in range(0, len(rows), _FEW):
+        yield from rows[first : first + _FEW].tolist()
+
+
+def _together(
+    legs: Sequence[Leg], problem: str, messages: int, again: Callable[[Flags], Iterator[_NumberedEvents]]
+) -> Transmissions:
+    left = list(legs)
+    links: list[Link] = []
+    sent: list[_SentColumns] = []
+    while left:
+        near = left.pop(0)
+        far = next((other for other in left if near.is_before(other)), None)
+        if far is not None:
+            later = [leg for leg in left if leg.goes_on(near, legs)]
+            left = [leg for leg in left if leg not in later]
+            near.take(later)
+        number = len(links)
+        if far is None:
+            links.append(Link(near.client, near.agent, near.key, None))
+            sent.append(_seen_once(number, near.columns()))
+            continue
+        left.remove(far)
+        links.append(Link(near.client, far.agent, near.key, near.agent))
+        ours, theirs = near.columns(), far.columns()
+        for to_agent, (begin, end) in {True: (ours, theirs), False: (theirs, ours)}.items():
+            before, behind = (each.where(each.to_agent == to_agent) for each in (begin, end))
+            sent += _passed(number, to_agent, before, behind)
+    return Transmissions(tuple(links), problem, *_in_order(sent), messages, again)
+
+
+@dataclass(frozen=True, slots=True)
+class _SentColumns:
+    """Transmissions of a link: their packets, the rows of `Transmissions`, and their arrivals behind one another."""
+
+    packets: Numbers
+    rows: Numbers
+    arrivals: Numbers
+
+
+def _columns_of(link: int, to_agent: Flags | bool, messages: MessageColumns, counts: Numbers) -> Numbers:
+    size = len(messages.numbers)
+    return np.stack([messages.numbers, np.full(size, link), np.broadcast_to(to_agent, size), counts], axis=1)
+
+
+_NO_ARRIVAL: Final = np.zeros((0, 2), np.int64)
+
+
+def _seen_once(link: int, messages: MessageColumns) -> _SentColumns:
+    counts = np.where(messages.dropped, 0, -1)
+    return _SentColumns(messages.packets, _columns_of(link, messages.to_agent, messages, counts), _NO_ARRIVAL)
+
+
+def _passed(link: int, to_agent: bool, before: MessageColumns, behind: MessageColumns) -> Iterator[_SentColumns]:
+    """Messages before a relay with those behind it that have the same bytes.
+
+    What comes out and never went in counts as sent there.
+    """
+    found = matched(before, behind)
+    unsent = behind.where(found.unsent)
+    once = _columns_of(link, to_agent, unsent, np.ones(len(unsent.numbers), np.int64))
+    yield _SentColumns(unsent.packets, once, np.stack([unsent.times, unsent.packets], axis=1))
+    counts = np.bincount(found.arrivals[:, 0], minlength=len(before.numbers))
+    arrived = found.arrivals[:, 1]
+    places = np.stack([behind.times[arrived], behind.packets[arrived]], axis=1)
+    yield _SentColumns(before.packets, _columns_of(link, to_agent, before, counts), places)
+
+
+def _in_order(sent: Sequence[_SentColumns]) -> tuple[Numbers, Numbers]:
+    """All rows in the order of packets, and their arrivals in the same order."""
+    if not sent:
+        return np.zeros((0, 4), np.int64), _NO_ARRIVAL
+    rows = np.concatenate([each.rows for each in sent])
+    arrivals = np.concatenate([each.arrivals for each in sent])
+    order = np.argsort(np.concatenate([each.packets for each in sent]), kind="stable")
+    counts = np.maximum(rows[:, 3], 0)
+    first = (np.cumsum(counts) - counts)[order]
+    rows, counts = rows[order], counts[order]
+    within = np.arange(len(arrivals)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return rows, arrivals[np.repeat(first, counts) + within]
 
 
 def session_ports(stream: BinaryIO) -> set[int]:
@@ -176,178 +362,3 @@ def _created(found: Datagrams) -> set[int]:
         ):
             ports.add(port)
     return ports
-
-
-@dataclass(frozen=True, slots=True)
-class _PacketMessage:
-    """A message as one packet has it; ``dropped``: its receiver did not take it."""
-
-    client: Endpoint
-    agent: Endpoint
-    to_agent: bool
-    time: int
-    packet: int
-    octets: bytes
-    events: tuple[SubmessageEvent, ...]
-    dropped: bool = False
-
-
-def _messages(decoder: CaptureDecoder | SerialDecoder) -> Iterator[_PacketMessage]:
-    for found in decoder.pieces():
-        messages = found.messages
-        dropped = decoder.dropped if isinstance(decoder, SerialDecoder) else frozenset()
-        of_message: dict[int, list[SubmessageEvent]] = defaultdict(list)
-        for number, event in zip(found.message.tolist(), events(found, decoder.endpoints), strict=True):
-            of_message[number].append(event)
-        for number, inside in of_message.items():
-            first = inside[0]
-            start, size = int(messages.starts[number]), int(messages.sizes[number])
-            if first.client is not None and first.agent is not None:
-                octets = messages.octets[start : start + size].tobytes()
-                yield _PacketMessage(
-                    first.client,
-                    first.agent,
-                    first.to_agent,
-                    first.time,
-                    first.packet,
-                    octets,
-                    tuple(inside),
-                    number in dropped,
-                )
-
-
-class _Leg:
-    """The packets that one capture point saw between two endpoints."""
-
-    def __init__(self, client: Endpoint, agent: Endpoint) -> None:
-        self.client = client
-        self.agent = agent
-        self.messages: list[_PacketMessage] = []
-
-    def add(self, message: _PacketMessage) -> None:
-        self.messages.append(message)
-
-    @cached_property
-    def creation(self) -> _PacketMessage | None:
-        """The first CREATE_CLIENT."""
-        return next(
-            (m for m in self.messages if m.to_agent and any(e.kind is SubmessageKind.CREATE_CLIENT for e in m.events)),
-            None,
-        )
-
-    @property
-    def key(self) -> str:
-        if self.creation is None:
-            return ""
-        return next(str(e.fields["key"]) for e in self.creation.events if e.kind is SubmessageKind.CREATE_CLIENT)
-
-    @cached_property
-    def session(self) -> int | None:
-        """As the client says in the headers of its messages; None if it says none."""
-        said = (e.session for m in self.messages if m.to_agent for e in m.events if e.session is not None)
-        return next((one for one in said if one not in SESSION_IDS_NONE), None)
-
-    def goes_on(self, other: _Leg, legs: Sequence[_Leg]) -> bool:
-        """True if the client of the other leg, whose relay was recorded on both sides, has got this address later: the
-        messages have its session, come to the same port of the relay, and it is the only client with it there."""
-        here = [leg for leg in legs if leg.agent == self.agent and leg.session == self.session and leg.creation]
-        begins = self.messages[0]
-        later = begins.to_agent and begins.packet > other.messages[0].packet
-        return later and self.creation is None and self.session is not None and here == [other]
-
-    def take(self, others: Iterable[_Leg]) -> None:
-        """Has their messages, too."""
-        messages = [*self.messages, *(message for leg in others for message in leg.messages)]
-        self.messages = sorted(messages, key=lambda message: message.packet)
-
-    def is_before(self, other: _Leg) -> bool:
-        """True if a relay passes messages of this leg on to the other one."""
-        ours, theirs = self.creation, other.creation
-        return (
-            ours is not None
-            and theirs is not None
-            and self.agent != other.agent
-            and ours.octets == theirs.octets
-            and 0 <= theirs.time - ours.time < _LONGEST_RELAY
-        )
-
-
-def _recording(legs: Sequence[_Leg], problem: str) -> Capture:
-    left = list(legs)
-    links: list[Link] = []
-    sent: list[Transmission] = []
-    while left:
-        near = left.pop(0)
-        far = next((other for other in left if near.is_before(other)), None)
-        if far is not None:
-            later = [leg for leg in left if leg.goes_on(near, legs)]
-            left = [leg for leg in left if leg not in later]
-            near.take(later)
-        number = len(links)
-        if far is None:
-            links.append(Link(near.client, near.agent, near.key, None))
-            sent += [_seen_once(number, message) for message in near.messages]
-            continue
-        left.remove(far)
-        links.append(Link(near.client, far.agent, near.key, near.agent))
-        for to_agent, (begin, end) in {True: (near, far), False: (far, near)}.items():
-            before, behind = ([m for m in leg.messages if m.to_agent == to_agent] for leg in (begin, end))
-            sent += _matched(number, before, behind)
-    return Capture(tuple(links), tuple(sorted(sent, key=lambda one: one.packet)), problem)
-
-
-def _seen_once(link: int, message: _PacketMessage) -> Transmission:
-    arrivals = () if message.dropped else None
-    return Transmission(link, message.to_agent, message.time, message.packet, arrivals, message.events)
-
-
-def _matched(link: int, before: Sequence[_PacketMessage], behind: Sequence[_PacketMessage]) -> Iterator[Transmission]:
-    """Messages before a relay with those behind it that have the same bytes.
-
-    What comes out and never went in counts as sent there.
-    """
-    entered: dict[bytes, list[int]] = defaultdict(list)
-    left: dict[bytes, list[_PacketMessage]] = defaultdict(list)
-    for number, message in enumerate(before):
-        entered[message.octets].append(number)
-    for message in behind:
-        left[message.octets].append(message)
-    arrivals: list[list[TransmissionArrival]] = [[] for _ in before]
-    for octets, numbers in entered.items():
-        for number, message in _equal_ones(before, numbers, left[octets]):
-            arrivals[number].append(TransmissionArrival(message.time, message.packet))
-    for message in behind:
-        if message.octets not in entered:
-            arrival = TransmissionArrival(message.time, message.packet)
-            yield Transmission(link, message.to_agent, message.time, message.packet, (arrival,), message.events)
-    for message, found in zip(before, arrivals, strict=True):
-        seen = tuple(sorted(found, key=lambda arrival: arrival.packet))
-        yield Transmission(link, message.to_agent, message.time, message.packet, seen, message.events)
-
-
-def _equal_ones(
-    before: Sequence[_PacketMessage], numbers: Sequence[int], behind: Sequence[_PacketMessage]
-) -> Iterator[tuple[int, _PacketMessage]]:
-    """Matches messages with the same bytes that came out with those that went in.
-
-    Only the time distinguishes them. If there are not more than went in, the last that came out is the last that had
-    gone in, and so on, which makes the delays as short as they can be in this order. Else the first that came out is
-    the first that had gone in, and so on, and the rest are copies: each of the last that had gone in.
-    """
-    entered = [before[number].packet for number in numbers]
-    if len(behind) <= len(numbers):
-        free = len(numbers)
-        for message in reversed(behind):
-            free = min(bisect_left(entered, message.packet), free) - 1
-            if free < 0:
-                return
-            yield numbers[free], message
-        return
-    waiting = 0
-    for message in behind:
-        at = bisect_left(entered, message.packet)
-        if waiting < at:
-            yield numbers[waiting], message
-            waiting += 1
-        elif at:
-            yield numbers[at - 1], message

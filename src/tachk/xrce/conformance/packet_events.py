@@ -21,15 +21,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.records import dataclass
-from tachk.recordings.conformance.events import Cell, Closing, EventLog, RecordedEvent
+from tachk.recordings.conformance.events import Closing, EventLog
+from tachk.xrce.conformance.packed_events import EventColumns
 from tachk.xrce.conformance.payloads import BEST_EFFORT, MessageContents, UnknownContentError, begins_sample
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.samples import topic_of
 from tachk.xrce.streams import nearest_number
-from tachk.xrce.transmissions import Transmission, read_transmissions
+from tachk.xrce.transmissions import Transmission, open_transmissions
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
 _ENDS = ("data writer", "data reader")
@@ -83,13 +83,8 @@ _CLIENT_OBJECT = "FFFE"
 _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
 
 
-@dataclass(frozen=True, slots=True)
-class _Content:
-    """A message of the automata: cells without client and link."""
-
-    kind: str
-    number: int
-    detail: int | None
+_Content = tuple[str, int, int | None]
+"""A message of the automata: kind, number and detail."""
 
 
 class _Counter(NamedTuple):
@@ -119,132 +114,99 @@ class _StreamCounts:
         self._last = {counter: number for counter, number in self._last.items() if counter.of_client}
 
 
-class _EventRow(NamedTuple):
-    """An event before it is known how many come before it: `after` is the number of a row."""
-
-    time: int
-    packet: int
-    name: str
-    cells: dict[str, Cell]
-    after: int | None = None
-    optional: bool = False
-    inferred: bool = False
-    passes: int | None = None
-
-
-def _event(row: _EventRow, place: Sequence[int]) -> RecordedEvent:
-    time, packet, name, cells, after, optional, inferred, passes = row
-    behind = None if after is None else place[after]
-    return RecordedEvent(Fraction(time), name, cells, f"packet {packet}", behind, optional, inferred, passes)
-
-
 def read_capture(path: Path, ports: Iterable[int] = ()) -> EventLog:
     """The events of a capture; the model starts shortly before the first of them.
 
     Where only one side of the way was recorded, each message may have arrived or not. Raises UsageError.
     """
     try:
-        found = read_transmissions(path, ports)
+        found = open_transmissions(path, ports)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except CaptureError as error:
         raise UsageError(f"{path}: {error}") from None
-    if not found.transmissions:
+    if not len(found):
         raise UsageError(
             f"{path} has no message of DDS-XRCE by UDP, TCP or on a serial line",
             "give the port of the Agent with --port",
         )
-    return _CaptureEventReader(path, found.transmissions, len(found.links)).recording(found.begin, found.end)
+    return _CaptureEventReader(path, len(found.links)).recording(found)
 
 
 class _CaptureEventReader:
-    def __init__(self, path: Path, transmissions: Sequence[Transmission], links: int) -> None:
+    def __init__(self, path: Path, links: int) -> None:
         self.path = path
-        self.transmissions = transmissions
-        self.client = _numbered(transmissions, links)
+        self.writes = [False] * links
         self.contents = MessageContents()
         self.objects = Objects()
-        self.rows: list[_EventRow] = []
+        self.events = EventColumns()
         self.written = [0] * links
         self.counts = [_StreamCounts() for _ in range(links)]
         self.deleted: list[int | None] = [None] * links
         self.created = [0] * links
 
-    def recording(self, begin: int, end: int) -> EventLog:
-        """Times are counted from ``begin``, in nanoseconds."""
-        for one in self.transmissions:
+    def recording(self, transmissions: Iterable[Transmission]) -> EventLog:
+        """Times are counted from the first transmission, in nanoseconds."""
+        begin, end = None, 0
+        for one in transmissions:
+            begin = one.sent if begin is None else begin
+            end = max(end, one.arrivals[-1].time if one.arrivals else one.sent)
+            self.writes[one.link] |= any(begins_sample(event) for event in one.events)
             self._transmission(one, begin)
-        keys = [(row.time, row.packet) for row in self.rows]
-        order = sorted(range(len(keys)), key=keys.__getitem__)
-        place = [0] * len(order)
-        for new, old in enumerate(order):
-            place[old] = new
-        events = [_event(self.rows[number], place) for number in order]
+        begin = begin or 0
+        clients = _numbered(self.writes)
         closings = tuple(
             Closing(column, value, Fraction(time - begin), by_sender=column == "link" and value % 2 == 0)
             for link, time in enumerate(self.deleted)
             if time is not None
-            for column, value in _of_client(self.client[link])
+            for column, value in _of_client(clients[link])
         )
-        end_time = Fraction(end - begin)
-        return EventLog(str(self.path), tuple(events), Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
+        events, end_time = self.events.sorted(clients), Fraction(end - begin)
+        return EventLog(str(self.path), events, Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
 
     def _transmission(self, one: Transmission, begin: int) -> None:
-        if self.deleted[one.link] is not None:
+        link = one.link
+        if self.deleted[link] is not None:
             return
-        client = self.client[one.link]
         time = one.sent - begin
         kinds = [event.kind for event in one.events]
         if SubmessageKind.DELETE in kinds and any(_deletes_client(event) for event in one.events):
-            self.deleted[one.link] = one.sent
+            self.deleted[link] = one.sent
             return
         # The leg of a client and that of the Agent: one and the same if there is no relay.
-        here, there = (2 * one.link, 2 * one.link + 1) if one.to_agent else (2 * one.link + 1, 2 * one.link)
+        here, there = (2 * link, 2 * link + 1) if one.to_agent else (2 * link + 1, 2 * link)
         if SubmessageKind.CREATE_CLIENT in kinds:
             if one.arrivals != ():
-                self.counts[one.link].create()
+                self.counts[link].create()
             for arrival in one.arrivals or ():
-                self.created[one.link] += 1
-                if self.created[one.link] > 1:
-                    of_client: dict[str, Cell] = {"client": client}
-                    self.rows.append(
-                        _EventRow(arrival.time - begin, arrival.packet, "created_again", of_client, passes=there)
-                    )
+                self.created[link] += 1
+                if self.created[link] > 1:
+                    self.events.add(arrival.time - begin, arrival.packet, "created_again", link, passes=there)
             return
         if None in kinds:
             self._reject_damaged(one)
         for why in self.objects.unspoken(one):
             self._reject(one, why)
-        for content in self._contents(one):
-            cells: dict[str, Cell] = {
-                "client": client,
-                "link": 2 * client + (not one.to_agent),
-                "kind": content.kind,
-                "number": content.number,
-            }
-            if content.detail is not None:
-                cells["detail"] = content.detail
-            if one.to_agent and self._is_new(one.link, content):
-                name = "written_best_effort" if content.kind == BEST_EFFORT else "written"
-                columns: dict[str, Cell] = {"client": client, "detail": content.detail or 0}
-                self.rows.append(_EventRow(time, one.packet, name, columns, inferred=True))
-            sent = len(self.rows)
-            self.rows.append(_EventRow(time, one.packet, "sent", cells, passes=here))
+        for kind, number, detail in self._contents(one):
+            if one.to_agent and self._is_new(link, kind, number):
+                name = "written_best_effort" if kind == BEST_EFFORT else "written"
+                self.events.add(time, one.packet, name, link, detail or 0, inferred=True)
+            sent = len(self.events)
+            said = link, detail, int(not one.to_agent), kind, number
+            self.events.add(time, one.packet, "sent", *said, passes=here)
             if one.arrivals is None:
-                self.rows.append(_EventRow(time, one.packet, "arrived", cells, sent, True, False, there))
+                self.events.add(time, one.packet, "arrived", *said, sent, optional=True, passes=there)
             for arrival in one.arrivals or ():
-                self.rows.append(
-                    _EventRow(arrival.time - begin, arrival.packet, "arrived", cells, sent, False, False, there)
-                )
+                self.events.add(arrival.time - begin, arrival.packet, "arrived", *said, sent, passes=there)
 
-    def _is_new(self, link: int, content: _Content) -> bool:
+    def _is_new(self, link: int, kind: str, number: int) -> bool:
         """True if the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
-        if content.kind == "DATA" and content.number == self.written[link]:
+        if kind == "DATA" and number == self.written[link]:
             self.written[link] += 1
             return True
-        return content.kind == BEST_EFFORT
+        return kind == BEST_EFFORT
 
     def _contents(self, one: Transmission) -> Iterator[_Content]:
         """The content of a message for the automata: entries of a stream, ACKNACK, HEARTBEAT, a request."""
@@ -252,21 +214,21 @@ class _CaptureEventReader:
         if (first.is_reliable or first.is_best_effort) and first.sequence is not None:
             kind = "DATA" if first.is_reliable else BEST_EFFORT
             number = counts.number(_Counter(one.to_agent, kind), first.sequence)
-            yield _Content(kind, number, self._payload(one, number))
+            yield kind, number, self._payload(one, number)
             return
         for event in one.events:
             fields = event.fields
             if event.kind is SubmessageKind.HEARTBEAT:
                 own = _Counter(one.to_agent, "DATA")
                 last = counts.number(own, _integer(fields["last"]))
-                yield _Content("HEARTBEAT", counts.number(own, _integer(fields["first"])), last + 1)
+                yield "HEARTBEAT", counts.number(own, _integer(fields["first"])), last + 1
             elif event.kind is SubmessageKind.ACKNACK:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
                 bitmap = sum(1 << (number - start) % 65536 for number in missing)
-                yield _Content("ACKNACK", counts.number(_Counter(one.to_agent, "ACKNACK"), start), bitmap)
+                yield "ACKNACK", counts.number(_Counter(one.to_agent, "ACKNACK"), start), bitmap
             elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSION_IDS_NONE:
-                yield _Content("PING", 0, 0)
+                yield "PING", 0, 0
 
     def _reject_damaged(self, one: Transmission) -> None:
         """Raises UsageError for what the automata have no word for and would take for silence."""
@@ -301,8 +263,7 @@ def _integer(value: object) -> int:
     return value
 
 
-def _numbered(transmissions: Sequence[Transmission], links: int) -> list[int]:
-    """The number of the client of each link."""
-    writes = {one.link for one in transmissions if any(begins_sample(event) for event in one.events)}
-    order = sorted(range(links), key=lambda link: (link not in writes, link))
-    return [order.index(link) for link in range(links)]
+def _numbered(writes: Sequence[bool]) -> list[int]:
+    """The number of the client of each link, of which some write samples."""
+    order = sorted(range(len(writes)), key=lambda link: (not writes[link], link))
+    return [order.index(link) for link in range(len(writes))]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from tachk.recordings.conformance.events import EventLog
+from tachk.recordings.conformance.events import RecordedEvent
 from tachk.xrce.events import SubmessageEvent, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
@@ -132,18 +132,24 @@ def _together(pieces: dict[int, tuple[str, bool]], last: int) -> list[Submessage
     return list(events(submessages(one_message(bytes([0x81, 0x80, 0, 0]) + octets)), [_NO_ENDPOINT]))
 
 
-def most_pieces(recording: EventLog) -> int:
-    """The number of pieces of one sample that the Agent sends to a client before the last one."""
-    pieces = {
-        (int(event.cells["link"]), int(event.cells["number"]))
-        for event in recording.events
-        if event.name == "sent" and event.cells.get("detail") == _PIECE and int(event.cells.get("link", 0)) % 2 == 1
-    }
-    most = 0
-    for link, number in pieces:
-        if (link, number - 1) not in pieces:
-            behind = number
-            while (link, behind) in pieces:
-                behind += 1
-            most = max(most, behind - number)
-    return most
+class PieceCounter:
+    """Counts the pieces of samples that the Agent sends to clients."""
+
+    def __init__(self) -> None:
+        self._pieces: set[tuple[int, int]] = set()
+
+    def add(self, event: RecordedEvent) -> None:
+        cells = event.cells
+        if event.name == "sent" and cells.get("detail") == _PIECE and int(cells.get("link", 0)) % 2 == 1:
+            self._pieces.add((int(cells["link"]), int(cells["number"])))
+
+    def most(self) -> int:
+        """The number of pieces of one sample before its last one."""
+        most = 0
+        for link, number in self._pieces:
+            if (link, number - 1) not in self._pieces:
+                behind = number
+                while (link, behind) in self._pieces:
+                    behind += 1
+                most = max(most, behind - number)
+        return most
