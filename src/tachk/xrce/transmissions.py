@@ -20,72 +20,15 @@ from tachk.xrce.events import DEFAULT_PORT, SubmessageEvent, events
 from tachk.xrce.legs import Leg, Legs, MessageColumns, with_ends
 from tachk.xrce.matching import matched
 from tachk.xrce.messages import Endpoint
+from tachk.xrce.packed_transmissions import PackedTransmissions
 from tachk.xrce.packets import CaptureError, Numbers, read_packets
 from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.serial_repair import repaired
 from tachk.xrce.submessages import Submessages
+from tachk.xrce.transmission import Link, ReadTransmission, Transmission, TransmissionArrival
 from tachk.xrce.wire import COOKIE, SubmessageKind
 
 _FEW: Final = 10_000
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """The way between a client and the Agent.
-
-    Attributes:
-        client: its endpoint, at the side of the client.
-        agent: the Agent's, at the side of the Agent.
-        key: of the client, as its CREATE_CLIENT says; empty if that is not in the capture.
-        relay: the endpoint that the client takes for the Agent where both sides of a relay are recorded.
-    """
-
-    client: Endpoint
-    agent: Endpoint
-    key: str
-    relay: Endpoint | None
-
-    @property
-    def name(self) -> str:
-        return f"client {self.key}" if self.key else f"client {self.client}"
-
-
-@dataclass(frozen=True, slots=True)
-class TransmissionArrival:
-    """``time`` in nanoseconds since the epoch, ``packet`` the number in the capture."""
-
-    time: int
-    packet: int
-
-
-@dataclass(frozen=True, slots=True)
-class Transmission:
-    """A message that was sent once.
-
-    Attributes:
-        link: the index of its link.
-        to_agent: whether the client sent it.
-        sent, packet: when it left its sender, in nanoseconds since the epoch, and in which packet.
-        arrivals: where it was seen behind the relay, several times if it was duplicated, never if it was lost; None if
-            nobody looked.
-        events: its submessages.
-    """
-
-    link: int
-    to_agent: bool
-    sent: int
-    packet: int
-    arrivals: tuple[TransmissionArrival, ...] | None
-    events: tuple[SubmessageEvent, ...]
-
-    @property
-    def is_lost(self) -> bool:
-        return self.arrivals == ()
-
-    @property
-    def arrived(self) -> int:
-        """The time of its arrival, if that is known; of a lost one the time when it was sent."""
-        return self.arrivals[0].time if self.arrivals else self.sent
 
 
 @dataclass(frozen=True)
@@ -97,7 +40,7 @@ class Capture:
     """
 
     links: tuple[Link, ...]
-    transmissions: tuple[Transmission, ...]
+    transmissions: Sequence[Transmission]
     problem: str = ""
 
     @property
@@ -120,7 +63,7 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
     Raises CaptureError for what is not a capture, OSError for a file that cannot be read.
     """
     found = open_transmissions(path, ports)
-    return Capture(found.links, tuple(found), found.problem)
+    return Capture(found.links, PackedTransmissions(found), found.problem)
 
 
 def open_transmissions(path: Path, ports: Iterable[int] = ()) -> Transmissions:
@@ -232,7 +175,7 @@ class Transmissions:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __iter__(self) -> Iterator[Transmission]:
+    def __iter__(self) -> Iterator[ReadTransmission]:
         wanted = np.zeros(self.messages, np.bool_)
         wanted[self.rows[:, 0]] = True
         read = self.again(wanted)
@@ -248,7 +191,7 @@ class Transmissions:
                 places = self.arrivals[first : first + count].tolist()
                 seen = tuple(TransmissionArrival(time, packet) for time, packet in places)
                 first += count
-            yield Transmission(link, to_agent != 0, inside[0].time, inside[0].packet, seen, inside)
+            yield ReadTransmission(link, to_agent != 0, inside[0].time, inside[0].packet, seen, inside)
 
 
 def _rows(rows: Numbers) -> Iterator[list[int]]:

@@ -29,7 +29,8 @@ from tachk.xrce.events import SubmessageEvent as Submessage
 from tachk.xrce.packets import CaptureError
 from tachk.xrce.signals.samples import topic_of
 from tachk.xrce.streams import nearest_number
-from tachk.xrce.transmissions import Transmission, open_transmissions
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import open_transmissions
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
 _ENDS = ("data writer", "data reader")

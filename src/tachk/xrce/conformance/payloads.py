@@ -9,7 +9,7 @@ from tachk.recordings.conformance.events import RecordedEvent
 from tachk.xrce.events import SubmessageEvent, events
 from tachk.xrce.messages import Endpoint, one_message
 from tachk.xrce.submessages import submessages
-from tachk.xrce.transmissions import Transmission
+from tachk.xrce.transmission import Transmission
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
 BEST_EFFORT = "BEST_EFFORT"

@@ -8,7 +8,8 @@ from tachk.base.records import dataclass
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.quantity import PacketPlace
 from tachk.xrce.streams import nearest_number
-from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
 
@@ -80,7 +81,11 @@ def conversations(file: str, recording: Capture) -> Iterator[Conversation]:
         ours = [one for one in recording.transmissions if one.link == link]
         for from_client in (True, False):
             streams = {
-                event.stream for one in ours if one.to_agent == from_client for event in one.events if event.is_reliable
+                event.stream
+                for one in ours
+                if one.to_agent == from_client and one.is_reliable
+                for event in one.events
+                if event.is_reliable
             }
             for stream in sorted(number for number in streams if number is not None):
                 moments = _moments(ours, from_client, stream)
@@ -119,22 +124,23 @@ class _StreamTracker:
         return max(self._sent - self._acknowledged, 0)
 
     def left(self, time: int, one: Transmission) -> Iterator[Moment]:
-        first = one.events[0]
-        if any(event.kind is SubmessageKind.CREATE_CLIENT for event in one.events):
+        events = one.events
+        first = events[0]
+        if SubmessageKind.CREATE_CLIENT in one.kinds:
             self._sent = self._acknowledged = 0
         if first.stream == self._stream and first.sequence is not None:
             number = nearest_number(first.sequence, self._sent)
             again = number < self._sent
             self._sent = max(self._sent, number + 1)
             yield SentMessage(time, number, again, self._outstanding, one)
-        if any(self._is_about(event, SubmessageKind.HEARTBEAT) for event in one.events):
+        if any(self._is_about(event, SubmessageKind.HEARTBEAT) for event in events):
             yield Beat(time, self._outstanding, one)
 
     def came(self, time: int, one: Transmission) -> Iterator[Moment]:
         before = self._outstanding
         first: int | None = None
         missing: tuple[int, ...] = ()
-        for event in one.events:
+        for event in one.events if SubmessageKind.ACKNACK in one.kinds else ():
             if self._is_about(event, SubmessageKind.ACKNACK):
                 first = nearest_number(_number(event, "first"), self._sent)
                 missing = tuple(nearest_number(number, self._sent) for number in _numbers(event, "missing"))

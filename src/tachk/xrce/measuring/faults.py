@@ -7,10 +7,12 @@ from typing import Final
 
 from tachk.base.records import dataclass
 from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
-from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
+_OF_STREAMS: Final = frozenset({SubmessageKind.HEARTBEAT, SubmessageKind.ACKNACK})
 _FEWEST: Final = 3
 """So many messages have to be lost, or stay without an answer, at the end."""
 
@@ -74,12 +76,11 @@ def _last_answer(recording: Capture, link: int) -> int:
 
 
 def _is_of_streams(one: Transmission) -> bool:
-    kinds = SubmessageKind.HEARTBEAT, SubmessageKind.ACKNACK
-    return any(event.is_reliable or event.kind in kinds for event in one.events)
+    return one.is_reliable or not _OF_STREAMS.isdisjoint(one.kinds)
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
+    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
 
 
 def stops_quantity(found: Sequence[tuple[str, StreamStop]]) -> Quantity:

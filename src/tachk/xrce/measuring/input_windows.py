@@ -18,6 +18,7 @@ from tachk.xrce.streams import nearest_number
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
+_OF_STREAMS: Final = frozenset({SubmessageKind.CREATE_CLIENT, SubmessageKind.ACKNACK, SubmessageKind.HEARTBEAT})
 _SIZES: Final = (2, 4, 8, 16, 32)
 _USUAL: Final = 16
 """The assumption of models: the Agent has no more under way."""
@@ -38,8 +39,12 @@ def _unanswered(stream: Sequence[_SentAcknack | _ReceivedMessage]) -> int:
 
 def input_history(recordings: Iterable[Capture]) -> Iterator[Setting]:
     """The setting, if ACKNACKs distinguish the numbers of slots."""
-    streams = [_at_client(recording, link) for recording in recordings for link in range(len(recording.links))]
-    wrong = {size: sum(_differences(stream, size) for stream in streams) for size in _SIZES}
+    wrong = dict.fromkeys(_SIZES, 0)
+    for recording in recordings:
+        for link in range(len(recording.links)):
+            stream = _at_client(recording, link)
+            for size in _SIZES:
+                wrong[size] += _differences(stream, size)
     best = min(wrong.values())
     fitting = [size for size in _SIZES if wrong[size] == best]
     if _USUAL not in fitting:
@@ -76,8 +81,11 @@ def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _ReceivedMe
     for one in recording.transmissions:
         if one.link != link:
             continue
+        if not one.is_reliable and one.kinds.isdisjoint(_OF_STREAMS):
+            continue
+        events, packet = one.events, one.packet
         times = [one.sent] if one.to_agent else [arrival.time for arrival in one.arrivals or ()]
-        found += [(time, one.packet, each) for time in times for event in one.events for each in _of(time, event)]
+        found += [(time, packet, each) for time in times for event in events for each in _of(time, event)]
     return [each for _, _, each in sorted(found, key=lambda row: row[:2])]
 
 

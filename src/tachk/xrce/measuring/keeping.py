@@ -37,20 +37,23 @@ def late_requests(recording: Capture) -> Iterator[LateRequest]:
     """The late requests of every client, as far as samples differ in their content."""
     for link in range(len(recording.links)):
         request = next(
-            (one for one in recording.transmissions if one.link == link and _of(one.events, SubmessageKind.READ_DATA)),
+            (one for one in recording.transmissions if one.link == link and SubmessageKind.READ_DATA in one.kinds),
             None,
         )
         if request is None:
             continue
         before: dict[str, int] = {}
         for one in recording.transmissions:
+            if one.arrived >= request.sent or not one.to_agent or one.is_lost:
+                continue
             for event in _of(one.events, SubmessageKind.WRITE_DATA):
-                if one.to_agent and not one.is_lost and one.arrived < request.sent:
-                    before.setdefault(str(event.fields["sample"]), one.arrived)
+                before.setdefault(str(event.fields["sample"]), one.arrived)
+        if not before:
+            continue
         got = {
             str(event.fields["sample"])
             for one in recording.transmissions
-            if one.link == link and not one.to_agent and one.sent >= request.sent
+            if one.link == link and not one.to_agent and one.sent >= request.sent and SubmessageKind.DATA in one.kinds
             for event in _of(one.events, SubmessageKind.DATA)
         }
         delivered = len(got & set(before))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +21,8 @@ from tachk.xrce.measuring.quantity import Confidence, Observation, Quantity, Qua
 from tachk.xrce.measuring.recorded_settings import SettingsEvidence, recorded_settings
 from tachk.xrce.measuring.settings import LinkDirection, Setting, SettingsFindings, settings
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.transmissions import Capture, Transmission, read_transmissions
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture, read_transmissions
 from tachk.xrce.wire import SubmessageKind
 
 _DELAYED = 2000.0
@@ -190,18 +193,27 @@ class _Measuring:
         return Measurement(files, quantities, chosen, recorded, problems)
 
     def _samples(self) -> int:
-        kinds = SubmessageKind.WRITE_DATA, SubmessageKind.DATA
+        kinds = frozenset({SubmessageKind.WRITE_DATA, SubmessageKind.DATA})
         return max(
-            len({str(e.fields["sample"]) for one in recording.transmissions for e in one.events if e.kind in kinds})
+            len(
+                {
+                    str(event.fields["sample"])
+                    for one in recording.transmissions
+                    if not kinds.isdisjoint(one.kinds)
+                    for event in one.events
+                    if event.kind in kinds
+                }
+            )
             for _, recording in self.recordings
         )
 
     def _longest(self) -> int:
         everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
-        numbers = [moment.number for c in everybody for moment in c.moments if isinstance(moment, SentMessage)]
-        sent = (event for _, recording in self.recordings for one in recording.transmissions for event in one.events)
-        numbers += [event.sequence for event in sent if event.is_best_effort and event.sequence is not None]
-        return max(numbers, default=0) + 1
+        numbers = (moment.number for c in everybody for moment in c.moments if isinstance(moment, SentMessage))
+        rest = (one for _, recording in self.recordings for one in recording.transmissions if not one.is_reliable)
+        events = (event for one in rest for event in one.events if event.is_best_effort)
+        others = (event.sequence for event in events if event.sequence is not None)
+        return max(chain(numbers, others), default=0) + 1
 
     def _rounds(self) -> list[int]:
         """The times at which Agents sent HEARTBEATs."""
@@ -268,18 +280,18 @@ class _Measuring:
             ),
             ("overtaking", overtaking, traffic.overtakings, QuantityUnit.MILLISECONDS, never),
         ):
-            samples = [sample for file, recording in self.recordings for sample in function(file, recording)]
-            yield seen(name, title, samples, missing, unit)
+            observed = (sample for file, recording in self.recordings for sample in function(file, recording))
+            yield seen(name, title, observed, missing, unit)
 
     def _together(self, loss: Quantity, to_agent: bool) -> Quantity:
         """The loss with all packets counted together."""
-        ours = [one for _, recording in self.recordings for one in recording.transmissions if one.to_agent == to_agent]
-        known = [one for one in ours if one.arrivals is not None]
+        ours = (one for _, recording in self.recordings for one in recording.transmissions if one.to_agent == to_agent)
+        known = Counter(one.is_lost for one in ours if one.is_observed)
         if not known:
             return loss
-        lost = sum(one.is_lost for one in known)
-        how = f"{lost} of {len(known)} packets came to a relay and not out of it"
-        return replace(loss, value=100 * lost / len(known), confidence=Confidence.MEASURED, how=how)
+        lost = known[True]
+        how = f"{lost} of {known.total()} packets came to a relay and not out of it"
+        return replace(loss, value=100 * lost / known.total(), confidence=Confidence.MEASURED, how=how)
 
     def _stops(
         self, file: str, recording: Capture, asleep: Sequence[tuple[str, sleeps.Sleep]]
@@ -337,12 +349,12 @@ def _created_again(recording: Capture) -> int:
     """The number of times that CREATE_CLIENT came to the Agent after messages of the client's streams."""
     times: dict[int, int] = {}
     for one in recording.transmissions:
-        if one.to_agent and one.events[0].is_reliable and not one.is_lost:
+        if one.to_agent and one.is_reliable and not one.is_lost:
             times.setdefault(one.link, one.arrived)
     return sum(
         time > times[one.link]
         for one in recording.transmissions
-        if one.to_agent and one.link in times and any(e.kind is SubmessageKind.CREATE_CLIENT for e in one.events)
+        if one.to_agent and one.link in times and SubmessageKind.CREATE_CLIENT in one.kinds
         for time in ([one.sent] if one.arrivals is None else [arrival.time for arrival in one.arrivals])
     )
 
@@ -354,7 +366,7 @@ def _of(
     function: Callable[[Conversation], Iterator[Observation]],
     missing: str,
 ) -> Quantity:
-    return seen(name, title, [sample for conversation in found for sample in function(conversation)], missing)
+    return seen(name, title, (sample for conversation in found for sample in function(conversation)), missing)
 
 
 def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity, Quantity]:

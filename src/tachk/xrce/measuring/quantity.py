@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
+from itertools import chain, islice
 from statistics import median
-from typing import Final
+from typing import Final, overload
+
+import numpy as np
 
 from tachk.base.records import dataclass
 
@@ -43,6 +47,69 @@ class Observation:
     places: tuple[PacketPlace, ...]
 
 
+_FEW: Final = 1000
+"""So many observations are held as they are."""
+
+
+class PackedSamples(Sequence[Observation]):
+    """Many observations, as columns of numbers."""
+
+    def __init__(self, found: Iterable[Observation]) -> None:
+        self._values, self._whole = array("d"), bytearray()
+        self._files: dict[str, int] = {}
+        self._packets, self._first = array("q"), array("q", [0])
+        for each in found:
+            self._values.append(each.value)
+            self._whole.append(isinstance(each.value, int))
+            for place in each.places:
+                number = self._files.setdefault(place.file, len(self._files))
+                self._packets.append(number << _FILE | place.packet)
+            self._first.append(len(self._packets))
+        self._names = tuple(self._files)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    @overload
+    def __getitem__(self, number: int) -> Observation: ...
+    @overload
+    def __getitem__(self, number: slice) -> tuple[Observation, ...]: ...
+    def __getitem__(self, number: int | slice) -> Observation | tuple[Observation, ...]:
+        if isinstance(number, slice):
+            return tuple(self[each] for each in range(len(self))[number])
+        place = range(len(self))[number]
+        packets = self._packets[self._first[place] : self._first[place + 1]]
+        places = tuple(PacketPlace(self._names[each >> _FILE], each & (1 << _FILE) - 1) for each in packets)
+        return Observation(self._value(place), places)
+
+    def _value(self, place: int) -> float:
+        return int(self._values[place]) if self._whole[place] else self._values[place]
+
+    def values(self) -> Iterator[float]:
+        """Those of all of them."""
+        return map(self._value, range(len(self)))
+
+    def places(self) -> int:
+        """The number of packets that they came from."""
+        return len(np.unique(np.frombuffer(self._packets, np.int64)))
+
+
+_FILE: Final = 40
+"""So many bits of a number are the packet, those above the file."""
+
+
+def gathered(found: Iterable[Observation]) -> Sequence[Observation]:
+    """The observations; many of them as columns."""
+    rest = iter(found)
+    first = tuple(islice(rest, _FEW))
+    return first if len(first) < _FEW else PackedSamples(chain(first, rest))
+
+
+def values_of(samples: Sequence[Observation]) -> Iterator[float]:
+    """What was observed."""
+    return samples.values() if isinstance(samples, PackedSamples) else (sample.value for sample in samples)
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """Attributes:
@@ -58,27 +125,38 @@ class Quantity:
     name: str
     title: str
     unit: QuantityUnit
-    samples: tuple[Observation, ...]
+    samples: Sequence[Observation]
     value: float | None
     confidence: Confidence
     how: str
 
     @property
     def minimum(self) -> float | None:
-        return min((sample.value for sample in self.samples), default=None)
+        return min(values_of(self.samples), default=None)
 
     @property
     def median(self) -> float | None:
-        return median(sample.value for sample in self.samples) if self.samples else None
+        return median(values_of(self.samples)) if self.samples else None
 
     @property
     def maximum(self) -> float | None:
-        return max((sample.value for sample in self.samples), default=None)
+        return max(values_of(self.samples), default=None)
 
     @property
     def places(self) -> tuple[PacketPlace, ...]:
         """Every packet that a sample came from, each once."""
         return tuple(dict.fromkeys(place for sample in self.samples for place in sample.places))
+
+    def first_places(self, most: int) -> tuple[tuple[PacketPlace, ...], int]:
+        """So many of `places`, and how many there are."""
+        if not isinstance(self.samples, PackedSamples):
+            return self.places[:most], len(self.places)
+        first: dict[PacketPlace, None] = {}
+        for sample in self.samples:
+            first |= dict.fromkeys(sample.places)
+            if len(first) >= most:
+                break
+        return tuple(first)[:most], self.samples.places()
 
 
 def seen(
@@ -89,11 +167,11 @@ def seen(
     Args:
         missing: what the captures would have to show, said where there is no sample.
     """
-    found = tuple(samples)
+    found = gathered(samples)
     if not found:
         return Quantity(name, title, unit, (), None, Confidence.NOT_ENOUGH, missing)
     confidence = Confidence.ONE_SAMPLE if len(found) == 1 else Confidence.MEASURED
-    return Quantity(name, title, unit, found, median(s.value for s in found), confidence, "the median")
+    return Quantity(name, title, unit, found, median(values_of(found)), confidence, "the median")
 
 
 _LATENESS: Final = 0.04

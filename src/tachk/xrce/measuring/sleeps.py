@@ -9,7 +9,8 @@ from tachk.base.records import dataclass
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.conversation import Beat, Conversation
 from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, roundest, seen
-from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
@@ -78,13 +79,13 @@ def _sleep(
     if len(unanswered) < 2 or until - unanswered[0].sent < _SHORTEST_SLEEP:
         return None
     begin = unanswered[0].sent
-    by_itself = waking is not None and any(event.kind not in _ANSWERS for event in waking.events)
+    by_itself = waking is not None and not waking.kinds <= _ANSWERS
     waking_packet = None if waking is None else waking.packet
     return Sleep(link, begin, until, begin - last.sent, by_itself, unanswered[0].packet, waking_packet)
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
+    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
 
 
 def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
@@ -182,8 +183,10 @@ class ReadRequest:
 def read_requests(recording: Capture) -> Iterator[ReadRequest]:
     """Every READ_DATA that a client sends, repetitions too."""
     for one in recording.transmissions:
+        if not one.to_agent or SubmessageKind.READ_DATA not in one.kinds:
+            continue
         for event in one.events:
-            if one.to_agent and event.kind is SubmessageKind.READ_DATA:
+            if event.kind is SubmessageKind.READ_DATA:
                 yield ReadRequest(one.link, _samples(event), event.sequence, one.sent)
 
 

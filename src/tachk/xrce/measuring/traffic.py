@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
+from hashlib import blake2b
 from itertools import pairwise
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tachk.xrce.measuring.conversation import Came, Conversation, SentMessage
 from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
-from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
 _MILLISECOND: Final = 1e6
+_NEVER: Final = 2**62
+_SAMPLES: Final = frozenset({SubmessageKind.WRITE_DATA, SubmessageKind.DATA})
 _SMALLEST_HISTORY: Final = 4
 _AT_ONCE: Final = 5e6
 """Nanoseconds within which a sender that has waited for room sends on."""
@@ -36,9 +44,7 @@ def reactions(file: str, recording: Capture) -> Iterator[Observation]:
     """From a message that comes to a client to its next ACKNACK: it answers everything."""
     for link in range(len(recording.links)):
         ours = [one for one in recording.transmissions if one.link == link]
-        answers = [
-            one for one in ours if one.to_agent and any(event.kind is SubmessageKind.ACKNACK for event in one.events)
-        ]
+        answers = [one for one in ours if one.to_agent and SubmessageKind.ACKNACK in one.kinds]
         times = [one.sent for one in answers]
         for one in ours:
             if one.to_agent or not one.arrivals or not _wants_answer(one):
@@ -50,7 +56,7 @@ def reactions(file: str, recording: Capture) -> Iterator[Observation]:
 
 
 def _wants_answer(one: Transmission) -> bool:
-    return any(event.is_reliable or event.kind is SubmessageKind.HEARTBEAT for event in one.events)
+    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
 
 
 def repairs(conversation: Conversation) -> Iterator[Observation]:
@@ -84,13 +90,10 @@ def paces(conversation: Conversation) -> Iterator[Observation]:
 
 def writes(conversation: Conversation) -> list[SentMessage]:
     """Messages with WRITE_DATA or DATA, each when it is sent first."""
-    kinds = SubmessageKind.WRITE_DATA, SubmessageKind.DATA
     return [
         moment
         for moment in conversation.moments
-        if isinstance(moment, SentMessage)
-        and not moment.again
-        and any(event.kind in kinds for event in moment.transmission.events)
+        if isinstance(moment, SentMessage) and not moment.again and not _SAMPLES.isdisjoint(moment.transmission.kinds)
     ]
 
 
@@ -178,19 +181,34 @@ def overtakings(file: str, recording: Capture) -> Iterator[Observation]:
 def _overtaken(transmissions: Sequence[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:
     """Pairs that cannot be explained otherwise: whichever of the messages with its content the first is, it was sent
     after the second, whichever of those with its content that is."""
-    sent: dict[tuple[object, ...], list[int]] = {}
-    for one in transmissions:
-        sent.setdefault(_content(one), []).append(one.sent)
-    arrived = sorted((one for one in transmissions if one.arrivals), key=lambda one: one.arrived)
-    newest: dict[tuple[int, bool], tuple[int, Transmission]] = {}
-    for one in arrived:
-        way, times = (one.link, one.to_agent), sent[_content(one)]
-        at_most = times[bisect_right(times, one.arrived) - 1]
+    contents = _contents(transmissions)
+    sent = array("q", (one.sent for one in transmissions))
+    by_content = np.argsort(contents, kind="stable")
+    times = array("q", np.frombuffer(sent, np.int64)[by_content].tobytes())
+    first = np.searchsorted(contents[by_content], contents)
+    top = np.searchsorted(contents[by_content], contents, side="right")
+    arrived = array("q", (one.arrived if one.arrivals else _NEVER for one in transmissions))
+    order = np.argsort(np.frombuffer(arrived, np.int64), kind="stable")
+    newest: dict[tuple[int, bool], tuple[int, int]] = {}
+    for number in order[: len(order) - arrived.count(_NEVER)].tolist():
+        one = transmissions[number]
+        way, begin = (one.link, one.to_agent), int(first[number])
+        at_most = times[bisect_right(times, arrived[number], begin, int(top[number])) - 1]
         if way in newest and newest[way][0] > at_most:
-            yield newest[way][1], one
-        if way not in newest or newest[way][0] < times[0]:
-            newest[way] = times[0], one
+            yield transmissions[newest[way][1]], one
+        if way not in newest or newest[way][0] < times[begin]:
+            newest[way] = times[begin], number
 
 
-def _content(one: Transmission) -> tuple[object, ...]:
-    return one.link, one.to_agent, *((e.kind, e.stream, e.sequence, str(e.fields)) for e in one.events)
+def _contents(transmissions: Sequence[Transmission]) -> NDArray[np.int64]:
+    """A number for what each of them says; equal ones have equal numbers."""
+    digests = bytearray()
+    for one in transmissions:
+        said = one.link, one.to_agent, *((e.kind, e.stream, e.sequence, e.fields) for e in one.events)
+        digests += blake2b(repr(said).encode(), digest_size=16).digest()
+    rows = np.frombuffer(digests, np.int64).reshape(-1, 2)
+    order = np.lexsort((rows[:, 1], rows[:, 0]))
+    differs = (np.diff(rows[order], axis=0) != 0).any(axis=1)
+    numbers = np.zeros(len(rows), np.int64)
+    numbers[order[1:]] = np.cumsum(differs)
+    return numbers

@@ -60,6 +60,7 @@ _FORMS = {
     Quantity: Fields(
         "name title unit value min=minimum median max=maximum count confidence how samples",
         count=lambda quantity: len(quantity.samples),
+        samples=lambda quantity: list(quantity.samples),
     ),
     Observation: Fields("value packets=places"),
 }
@@ -108,16 +109,16 @@ def _quantity_lines(quantity: Quantity, several: bool) -> Iterator[str]:
     spread = " / ".join(_number(value) for value in (quantity.minimum, quantity.median, quantity.maximum))
     value = "?" if quantity.value is None else f"{_number(quantity.value)} {quantity.unit.value}".rstrip()
     yield f"  {value:<13}  {spread:<31}  {len(quantity.samples):>4}  {quantity.title}"
-    places = _places(quantity.places, several)
+    places = _places(*quantity.first_places(_PLACES), several)
     yield f"      {quantity.confidence.value}: {quantity.how}{f'; {places}' if places else ''}"
 
 
-def _places(places: Sequence[PacketPlace], several: bool) -> str:
-    if not places:
+def _places(first: Sequence[PacketPlace], count: int, several: bool) -> str:
+    if not first:
         return ""
-    listed = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in places[:_PLACES]]
-    more = f" and {len(places) - _PLACES} more" if len(places) > _PLACES else ""
-    return f"packet{'s' if len(places) > 1 else ''} {', '.join(listed)}{more}"
+    listed = [f"{place.file}:{place.packet}" if several else str(place.packet) for place in first]
+    more = f" and {count - _PLACES} more" if count > _PLACES else ""
+    return f"packet{'s' if count > 1 else ''} {', '.join(listed)}{more}"
 
 
 def _setting_lines(settings: Sequence[Setting], time: ModelTime) -> Iterator[str]:

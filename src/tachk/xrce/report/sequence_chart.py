@@ -11,7 +11,8 @@ from tachk.report.drawing.sequence.chart import Category, Chart, Message, Moment
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.measuring.sleeps import sleeps
 from tachk.xrce.report.text import event_to_text
-from tachk.xrce.transmissions import Capture, Transmission
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
 _CATEGORIES = {

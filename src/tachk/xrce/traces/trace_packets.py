@@ -37,7 +37,8 @@ from tachk.xrce.signals.recorded import (
 )
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
-from tachk.xrce.transmissions import Capture, Transmission, read_transmissions
+from tachk.xrce.transmission import Transmission
+from tachk.xrce.transmissions import Capture, read_transmissions
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 HOP_SIGNALS: Final = ("lost", "copies", "overtaken", "delay_ms")
