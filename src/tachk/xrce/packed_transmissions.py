@@ -27,7 +27,7 @@ class PackedTransmissions(Sequence[Transmission]):
         self.first_arrivals, self.first_events = array("q", [0]), array("q", [0])
         self._unseen = bytearray()
         self._arrivals = array("q")
-        self._events = _EventColumns()
+        self._events = _SubmessageColumns()
         self._shape = array("i")
         self._shapes: dict[_Shape, int] = {}
         self._by_number: list[_Shape] = []
@@ -164,7 +164,7 @@ class _Head:
     said: tuple[Value, ...]
 
 
-class _EventColumns:
+class _SubmessageColumns:
     """Submessages. Of the kinds that come in masses all is in columns, of others the fields are held as they are."""
 
     def __init__(self) -> None:

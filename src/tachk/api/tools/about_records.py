@@ -14,7 +14,7 @@ from tachk.base.diagnostics.render import render
 from tachk.base.job import StoppedError
 from tachk.meaning.judge.replay import ReplayError
 from tachk.recordings.conformance.conform import Conformance, run_by_reference
-from tachk.recordings.conformance.stretches import LongRun
+from tachk.recordings.conformance.segments import LongRun
 from tachk.report.conformance.json import conformance_to_json
 from tachk.report.conformance.text import conformance_to_text
 

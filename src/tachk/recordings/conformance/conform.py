@@ -42,7 +42,7 @@ from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.rejection import PossibleEvent, enabled_events, end_of, state_text
-from tachk.recordings.conformance.stretches import LONG, LongRun, follow
+from tachk.recordings.conformance.segments import LONG, LongRun, follow
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 LONGEST_BY_REFERENCE = 100

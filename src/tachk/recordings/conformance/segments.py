@@ -1,11 +1,11 @@
-"""A long recording is followed stretch by stretch, so that neither time nor memory grows with what is behind.
+"""A long recording is followed segment by segment, so that neither time nor memory grows with what is behind.
 
-A stretch is some thousand events, and some more that lie ahead. A run along all of them is searched for, made with
-exact times and judged; its part in the stretch is a part of a run of the whole, if the parts behind it go on from the
-state in which it ends. What lies ahead makes that likely. Where no such run is found, some stretches are followed again
+A segment is some thousand events, and some more that lie ahead. A run along all of them is searched for, made with
+exact times and judged; its part in the segment is a part of a run of the whole, if the parts behind it go on from the
+state in which it ends. What lies ahead makes that likely. Where no such run is found, some segments are followed again
 as one; where that does not help either, the whole recording has to be searched at once.
 
-The state at the end of a stretch is a single one, with its clocks: all stretches together are one run, and only an
+The state at the end of a segment is a single one, with its clocks: all segments together are one run, and only an
 answer that there is one can be found so.
 """
 
@@ -43,16 +43,16 @@ from tachk.recordings.conformance.rejection import FinalState, end_in_slots
 from tachk.recordings.conformance.resumed import resumed
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
-STRETCH = 30_000
-"""So many events a stretch has."""
-LONG = STRETCH
-"""Recordings with more events are followed stretch by stretch."""
+SEGMENT = 30_000
+"""So many events a segment has."""
+LONG = SEGMENT
+"""Recordings with more events are followed segment by segment."""
 AHEAD = 500
 """A run goes along with so many events more."""
 _STATES_OF_EVENT = 60
-"""So many states are stored for each event of a stretch at most."""
+"""So many states are stored for each event of a segment at most."""
 _BACK = 3
-"""So many stretches at most are followed again."""
+"""So many segments at most are followed again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Followed:
 
 
 @dataclass(frozen=True, slots=True)
-class _Stretch:
+class _Segment:
     """Attributes:
     first: the number of its first event, behind all that may not have happened before.
     top: the number of the event behind those that lie ahead.
@@ -96,8 +96,8 @@ class _Stretch:
 
 
 @dataclass(frozen=True, slots=True)
-class _Reached:
-    """The state of a component at the end of a stretch.
+class _SegmentEnd:
+    """The state of a component at the end of a segment.
 
     Attributes:
         product: with which it was reached; None at the start.
@@ -118,13 +118,13 @@ class _Reached:
 @dataclass(frozen=True, slots=True)
 class _Checkpoint:
     """Attributes:
-    next: the number of the event where the next stretch begins.
+    next: the number of the event where the next segment begins.
     begin: the time up to which components have done everything, in units of the model.
     """
 
     next: int
     begin: int
-    reached: tuple[_Reached, ...]
+    reached: tuple[_SegmentEnd, ...]
 
 
 def follow(
@@ -145,11 +145,11 @@ def follow(
 
     Raises UsageError for a recording that does not fit the model, StoppedError.
     """
-    follower = _Follower(network, mapping, recording, constants, exact, options, limits, divide)
-    return follower.followed()
+    search = _SegmentSearch(network, mapping, recording, constants, exact, options, limits, divide)
+    return search.followed()
 
 
-class _Follower:
+class _SegmentSearch:
     def __init__(
         self,
         network: Network,
@@ -168,7 +168,7 @@ class _Follower:
         self.delay = ceil(max(*exact, Fraction(1)))
         self.modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
         last = len(recording.events)
-        self.shape = self._streams(_Stretch(max(last - 1, 0), last, None))  # tells early what is too late for clocks
+        self.shape = self._streams(_Segment(max(last - 1, 0), last, None))  # tells early what is too late for clocks
         whole = IndependentComponent(self.modelled, tuple(range(len(self.shape.streams))))
         parts = components_of(network, mapping, self.shape) if divide else (whole,)
         self.components = parts if are_independent(network, self.modelled, self.shape) else (whole,)
@@ -176,14 +176,14 @@ class _Follower:
         self.statistics: Statistics | None = None
 
     def followed(self) -> Followed | None:
-        start = tuple(_Reached((-1,) * len(component.streams)) for component in self.components)
+        start = tuple(_SegmentEnd((-1,) * len(component.streams)) for component in self.components)
         behind_us = deque([_Checkpoint(0, 0, start)], maxlen=_BACK)
-        size, again = STRETCH, 0
+        size, again = SEGMENT, 0
         while True:
             check_job()
             here = behind_us[-1]
-            stretch = self._stretch(here, size)
-            reached = self._follow(here, stretch)
+            segment = self._segment(here, size)
+            reached = self._follow(here, segment)
             if reached is None and len(self.cut_later) > 1:
                 self.cut_later.popleft()  # never back again: what was cut early happened early
             elif reached is None:
@@ -191,23 +191,23 @@ class _Follower:
                 if len(behind_us) < 2 or again >= _BACK:
                     return None
                 behind_us.pop()
-                size = stretch.top - behind_us[-1].next
-            elif stretch.until is None:
+                size = segment.top - behind_us[-1].next
+            elif segment.until is None:
                 return self._found(reached)
             else:
-                behind_us.append(_Checkpoint(here.next + size, stretch.until, reached))
-                size, again = STRETCH, 0
+                behind_us.append(_Checkpoint(here.next + size, segment.until, reached))
+                size, again = SEGMENT, 0
 
-    def _stretch(self, here: _Checkpoint, size: int) -> _Stretch:
-        """The stretch of so many events from here on."""
+    def _segment(self, here: _Checkpoint, size: int) -> _Segment:
+        """The segment of so many events from here on."""
         events = self.recording.events
         first = self._at(here.begin - 4 * self.delay - 1) if here.next else 0
         target = here.next + size
         if target + AHEAD >= len(events):
-            return _Stretch(first, len(events), None)
+            return _Segment(first, len(events), None)
         until = self._time(target)
         top = max(self._at(until + 6 * self.delay + 1), target + AHEAD)
-        return _Stretch(first, top, until) if top < len(events) else _Stretch(first, len(events), None)
+        return _Segment(first, top, until) if top < len(events) else _Segment(first, len(events), None)
 
     def _time(self, event: int) -> int:
         """When it was recorded, in units of the model."""
@@ -217,36 +217,36 @@ class _Follower:
         """The number of the first event that was not recorded before a time."""
         return bisect_left(range(len(self.recording.events)), time, key=self._time)
 
-    def _streams(self, stretch: _Stretch) -> EventStreams:
-        part = excerpt(self.recording, stretch.first, stretch.top)
+    def _streams(self, segment: _Segment) -> EventStreams:
+        part = excerpt(self.recording, segment.first, segment.top)
         return make_streams(self.network, self.mapping, part, self.constants, *self.exact)
 
-    def _follow(self, here: _Checkpoint, stretch: _Stretch) -> tuple[_Reached, ...] | None:
-        streams: EventStreams | None = self._streams(stretch)
+    def _follow(self, here: _Checkpoint, segment: _Segment) -> tuple[_SegmentEnd, ...] | None:
+        streams: EventStreams | None = self._streams(segment)
         if len(self.components) > 1 and streams is not None:
             streams = separated(streams, self.components, self.cut_later[0])
         if streams is None:
             return None
         found = []
         for component, before in zip(self.components, here.reached, strict=True):
-            reached = self._component(component, before, streams, stretch)
+            reached = self._component(component, before, streams, segment)
             if reached is None:
                 return None
             found.append(reached)
         return tuple(found)
 
     def _component(
-        self, component: IndependentComponent, before: _Reached, streams: EventStreams, stretch: _Stretch
-    ) -> _Reached | None:
-        """The state at the end of a stretch, on a run along all of it."""
+        self, component: IndependentComponent, before: _SegmentEnd, streams: EventStreams, segment: _Segment
+    ) -> _SegmentEnd | None:
+        """The state at the end of a segment, on a run along all of it."""
         check_job()
         all_own = restricted(streams, component)
-        first = stretch.first
+        first = segment.first
         own = behind(
             all_own,
             [bisect_right(q.events, last - first) for q, last in zip(all_own.streams, before.happened, strict=True)],
         )
-        to_the_end = stretch.until is None and len(self.components) > 1
+        to_the_end = segment.until is None and len(self.components) > 1
         product = fresh = trace_product(self.network, self.mapping, own, component.processes, to_the_end)
         check_selections(product.network)
         setting = 0
@@ -256,7 +256,7 @@ class _Follower:
                 return None
             product, setting = later, before.end.zones[0].dimension
         program, goals = lower(product.network, [product.done], product.tables)
-        most = _STATES_OF_EVENT * (1_000 + stretch.top - first)
+        most = _STATES_OF_EVENT * (1_000 + segment.top - first)
         outcome = explore(program, goals, self.options, self.limits.of_states(most))
         if outcome.reason == INTERRUPTED:
             raise KeyboardInterrupt
@@ -267,17 +267,17 @@ class _Follower:
             return None
         setter = len(fresh.network.processes)
         if any(program.edges[action[0]].process != setter for action in actions[:setting]):
-            raise InternalError("something happened before the state was set from which a stretch goes on")
+            raise InternalError("something happened before the state was set from which a segment goes on")
         ticks, unit = run.moments.ticks, run.moments.unit
         count = len(actions)
-        if stretch.until is not None:
+        if segment.until is not None:
             offset = ticks[setting - 1] - before.now * unit if setting else 0
-            count = max(bisect_right(ticks, stretch.until * unit + offset, hi=len(actions)), setting)
+            count = max(bisect_right(ticks, segment.until * unit + offset, hi=len(actions)), setting)
         taken = Counter(before.taken)
         _count(taken, product, program, actions[setting:count])
         transitions = before.transitions + count - setting
-        if stretch.until is None:
-            return _Reached((), None, None, 0, transitions, taken)
+        if segment.until is None:
+            return _SegmentEnd((), None, None, 0, transitions, taken)
         state = run.state_after(count)
         if state is None or any(tick % unit for tick in state.clocks):
             return None
@@ -290,9 +290,9 @@ class _Follower:
             )
         )
         end = replace(end, locations=end.locations[: len(fresh.network.processes)])
-        return _Reached(happened, fresh, end, now, transitions, taken)
+        return _SegmentEnd(happened, fresh, end, now, transitions, taken)
 
-    def _found(self, reached: Sequence[_Reached]) -> Followed:
+    def _found(self, reached: Sequence[_SegmentEnd]) -> Followed:
         runs = tuple(
             LongRun(component.processes, each.transitions, each.taken)
             for component, each in zip(self.components, reached, strict=True)

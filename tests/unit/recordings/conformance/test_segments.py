@@ -1,4 +1,4 @@
-"""Long recordings followed stretch by stretch: what is accepted so is what a search of the whole accepts."""
+"""Long recordings followed segment by segment: what is accepted so is what a search of the whole accepts."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Program
 from tachk.engine.exact.exact_run import exact_run
 from tachk.recordings.conformance import conform as conformance
-from tachk.recordings.conformance import stretches
+from tachk.recordings.conformance import segments
 from tachk.recordings.conformance.conform import Conformance, ConformingRun, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.stretches import LongRun
+from tachk.recordings.conformance.segments import LongRun
 from tachk.recordings.conformance.trace_product import TraceProduct
 from tachk.xrce.conformance.packet_events import read_capture
 from tests.support.seeds import seeds
@@ -39,15 +39,15 @@ def held(model: tachk.Model, recording: EventLog, tolerance: int, late: int) -> 
     return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), *exact, explain=False)
 
 
-def in_stretches(monkeypatch: pytest.MonkeyPatch, events: int, ahead: int) -> None:
+def in_segments(monkeypatch: pytest.MonkeyPatch, events: int, ahead: int) -> None:
     monkeypatch.setattr(conformance, "LONG", 0)
-    monkeypatch.setattr(stretches, "STRETCH", events)
-    monkeypatch.setattr(stretches, "AHEAD", ahead)
+    monkeypatch.setattr(segments, "SEGMENT", events)
+    monkeypatch.setattr(segments, "AHEAD", ahead)
 
 
 @pytest.mark.parametrize("seed", seeds(range(6)))
-def test_stretches_agree_with_the_whole(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Random models. The verdict is that of a second definition, and most runs are found in stretches."""
+def test_segments_agree_with_the_whole(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Random models. The verdict is that of a second definition, and most runs are found in segments."""
     random, file = Random(seed), tmp_path / "events.csv"
     hidden = seed % 3 == 2
     long = runs = 0
@@ -60,7 +60,7 @@ def test_stretches_agree_with_the_whole(seed: int, tmp_path: Path, monkeypatch: 
         file.write_text(csv_of(events, end), encoding="utf-8")
         model = tachk.loads(text_of(machines, hidden))
         with monkeypatch.context() as patch:
-            in_stretches(patch, random.randint(1, 8), random.randint(0, 4))
+            in_segments(patch, random.randint(1, 8), random.randint(0, 4))
             found = held(model, read_events(file), tolerance, late)
         assert found.accepted is is_run(machines, events, end, tolerance, late, hidden), f"case {case}"
         if found.accepted and len(events) > 1:
@@ -73,15 +73,15 @@ NAMES = ["client_2_0_losses", "best_effort_batches", "two_publishers_losses", "r
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_captures_in_stretches(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paths along stretches, put together, are a path of the whole that can be given times."""
+def test_captures_in_segments(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The paths along segments, put together, are a path of the whole that can be given times."""
     words = json.loads((CAPTURES / f"{name}.json").read_text(encoding="utf-8"))["settings"].split()
     given = {key: json.loads(value) for key, value in (word.split("=") for word in words if "=" in word)}
     model = tachk.load(ROOT / "models/micro_xrce_dds/recorded.ta", **given)
     recording = read_capture(CAPTURES / f"{name}.pcap")
     whole = next(found for late in (5, 20, 60) if (found := held(model, recording, 5, late)).accepted)
     taken: dict[tuple[int, ...], list[list[tuple[int, int, tuple[int, ...]]]]] = {}
-    count = stretches._count
+    count = segments._count
 
     def noted(
         counter: Counter[tuple[int, int]], product: TraceProduct, program: Program, actions: Sequence[Sequence[int]]
@@ -92,8 +92,8 @@ def test_captures_in_stretches(name: str, monkeypatch: pytest.MonkeyPatch) -> No
         count(counter, product, program, actions)
 
     with monkeypatch.context() as patch:
-        in_stretches(patch, 40, 40)
-        patch.setattr(stretches, "_count", noted)
+        in_segments(patch, 40, 40)
+        patch.setattr(segments, "_count", noted)
         found = held(model, recording, 5, int(whole.late))
     assert found.accepted
     assert found.streams.other == whole.streams.other
