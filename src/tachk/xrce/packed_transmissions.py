@@ -6,6 +6,8 @@ from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final, overload
 
+import numpy as np
+
 from tachk.base.records import dataclass
 from tachk.xrce.events import SubmessageEvent, Value
 from tachk.xrce.messages import Endpoint
@@ -13,6 +15,7 @@ from tachk.xrce.transmission import Transmission, TransmissionArrival
 from tachk.xrce.wire import SubmessageKind
 
 _NONE: Final = -1
+_FEW: Final = 10_000
 
 
 _Shape = tuple[frozenset[SubmessageKind | None], bool]
@@ -22,7 +25,7 @@ class PackedTransmissions(Sequence[Transmission]):
     """What a capture has of messages on their way, in the order in which they were sent."""
 
     def __init__(self, transmissions: Iterable[Transmission]) -> None:
-        self.links, self.to_agent = array("i"), bytearray()
+        self.links, self.to_agent = array("i"), array("b")
         self.sent, self.packets = array("q"), array("q")
         self.first_arrivals, self.first_events = array("q", [0]), array("q", [0])
         self._unseen = bytearray()
@@ -63,6 +66,25 @@ class PackedTransmissions(Sequence[Transmission]):
 
     def __iter__(self) -> Iterator[Transmission]:
         return (_PackedTransmission(self, row) for row in range(len(self.links)))
+
+    def where(
+        self,
+        link: int | None = None,
+        to_agent: bool | None = None,
+        kinds: frozenset[SubmessageKind] | None = None,
+    ) -> Iterator[Transmission]:
+        """Those of a link, of a way, with a submessage of one of these kinds."""
+        chosen = np.ones(len(self), np.bool_)
+        if link is not None:
+            chosen &= np.asarray(self.links) == link
+        if to_agent is not None:
+            chosen &= np.asarray(self.to_agent) == to_agent
+        if kinds is not None:
+            having = [not kinds.isdisjoint(own) for own, _ in self._by_number]
+            chosen &= np.array([*having, False], np.bool_)[np.asarray(self._shape)]
+        for first in range(0, len(chosen), _FEW):
+            for row in np.flatnonzero(chosen[first : first + _FEW]).tolist():
+                yield _PackedTransmission(self, first + row)
 
     def shape(self, row: int) -> _Shape:
         """The kinds of its submessages, and whether its number is acknowledged."""

@@ -25,7 +25,7 @@ from tachk.xrce.packets import CaptureError, Numbers, read_packets
 from tachk.xrce.serial_line import SerialDecoder
 from tachk.xrce.serial_repair import repaired
 from tachk.xrce.submessages import Submessages
-from tachk.xrce.transmission import Link, ReadTransmission, Transmission, TransmissionArrival
+from tachk.xrce.transmission import Link, ReadTransmission, TransmissionArrival
 from tachk.xrce.wire import COOKIE, SubmessageKind
 
 _FEW: Final = 10_000
@@ -40,7 +40,7 @@ class Capture:
     """
 
     links: tuple[Link, ...]
-    transmissions: Sequence[Transmission]
+    transmissions: PackedTransmissions
     problem: str = ""
 
     @property

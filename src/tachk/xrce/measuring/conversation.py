@@ -78,7 +78,7 @@ class Conversation:
 def conversations(file: str, recording: Capture) -> Iterator[Conversation]:
     """Every stream of a capture in each direction in which messages of it are sent."""
     for link in range(len(recording.links)):
-        ours = [one for one in recording.transmissions if one.link == link]
+        ours = list(recording.transmissions.where(link))
         for from_client in (True, False):
             streams = {
                 event.stream

@@ -45,7 +45,7 @@ def stops(recording: Capture, is_expected: Callable[[Transmission], bool]) -> It
     """
     for link in range(len(recording.links)):
         for to_agent in (True, False):
-            sent = [one for one in recording.transmissions if (one.link, one.to_agent) == (link, to_agent)]
+            sent = recording.transmissions.where(link, to_agent)
             ours = [one for one in sent if _is_of_streams(one) and not is_expected(one)]
             lost = _tail(ours, lambda one: one.is_lost)
             if _is_long(lost):
@@ -70,7 +70,7 @@ def _is_long(found: Sequence[Transmission]) -> bool:
 
 def _last_answer(recording: Capture, link: int) -> int:
     return max(
-        (one.sent for one in recording.transmissions if one.link == link and not one.to_agent and _is_of_streams(one)),
+        (one.sent for one in recording.transmissions.where(link, to_agent=False) if _is_of_streams(one)),
         default=recording.begin,
     )
 

@@ -78,9 +78,7 @@ class _ReceivedMessage:
 def _at_client(recording: Capture, link: int) -> list[_SentAcknack | _ReceivedMessage]:
     """In the order of times; empty where arrivals were not observed."""
     found: list[tuple[int, int, _SentAcknack | _ReceivedMessage]] = []
-    for one in recording.transmissions:
-        if one.link != link:
-            continue
+    for one in recording.transmissions.where(link):
         if not one.is_reliable and one.kinds.isdisjoint(_OF_STREAMS):
             continue
         events, packet = one.events, one.packet

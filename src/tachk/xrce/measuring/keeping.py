@@ -37,14 +37,14 @@ def late_requests(recording: Capture) -> Iterator[LateRequest]:
     """The late requests of every client, as far as samples differ in their content."""
     for link in range(len(recording.links)):
         request = next(
-            (one for one in recording.transmissions if one.link == link and SubmessageKind.READ_DATA in one.kinds),
+            recording.transmissions.where(link, kinds=frozenset({SubmessageKind.READ_DATA})),
             None,
         )
         if request is None:
             continue
         before: dict[str, int] = {}
-        for one in recording.transmissions:
-            if one.arrived >= request.sent or not one.to_agent or one.is_lost:
+        for one in recording.transmissions.where(to_agent=True, kinds=frozenset({SubmessageKind.WRITE_DATA})):
+            if one.arrived >= request.sent or one.is_lost:
                 continue
             for event in _of(one.events, SubmessageKind.WRITE_DATA):
                 before.setdefault(str(event.fields["sample"]), one.arrived)
@@ -52,8 +52,8 @@ def late_requests(recording: Capture) -> Iterator[LateRequest]:
             continue
         got = {
             str(event.fields["sample"])
-            for one in recording.transmissions
-            if one.link == link and not one.to_agent and one.sent >= request.sent and SubmessageKind.DATA in one.kinds
+            for one in recording.transmissions.where(link, to_agent=False, kinds=frozenset({SubmessageKind.DATA}))
+            if one.sent >= request.sent
             for event in _of(one.events, SubmessageKind.DATA)
         }
         delivered = len(got & set(before))

@@ -179,8 +179,8 @@ class _Measuring:
         chosen = settings(findings)
         by_name = {setting.name: setting for setting in chosen}
         not_received = sum(
-            bool(one.arrivals) and any(name == file and sleep.covers(one) for name, sleep in asleep)
-            for file, recording in self.recordings
+            any(name == file and sleep.covers(one) for name, sleep in asleep) and bool(one.arrivals)
+            for file, recording in (self.recordings if asleep else ())
             for one in recording.transmissions
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
@@ -198,8 +198,7 @@ class _Measuring:
             len(
                 {
                     str(event.fields["sample"])
-                    for one in recording.transmissions
-                    if not kinds.isdisjoint(one.kinds)
+                    for one in recording.transmissions.where(kinds=kinds)
                     for event in one.events
                     if event.kind in kinds
                 }
@@ -285,7 +284,7 @@ class _Measuring:
 
     def _together(self, loss: Quantity, to_agent: bool) -> Quantity:
         """The loss with all packets counted together."""
-        ours = (one for _, recording in self.recordings for one in recording.transmissions if one.to_agent == to_agent)
+        ours = (one for _, recording in self.recordings for one in recording.transmissions.where(to_agent=to_agent))
         known = Counter(one.is_lost for one in ours if one.is_observed)
         if not known:
             return loss
@@ -324,8 +323,8 @@ def _problems(recording: Capture) -> Iterator[str]:
     if recording.problem:
         yield recording.problem
     for number, link in enumerate(recording.links):
-        ours = [one for one in recording.transmissions if one.link == number]
-        if link.relay is None and len(ours) >= _ENOUGH and 2 * _twice(ours) > _NEARLY_ALL * len(ours):
+        ours = list(recording.transmissions.where(number)) if link.relay is None else []
+        if len(ours) >= _ENOUGH and 2 * _twice(ours) > _NEARLY_ALL * len(ours):
             yield (
                 f"nearly every message of {link.name} is there twice: the line was recorded at two places that "
                 "cannot be distinguished, so repetitions and times are wrong; cut out what was recorded at one of them"
@@ -348,13 +347,13 @@ def _twice(ours: Sequence[Transmission]) -> int:
 def _created_again(recording: Capture) -> int:
     """The number of times that CREATE_CLIENT came to the Agent after messages of the client's streams."""
     times: dict[int, int] = {}
-    for one in recording.transmissions:
-        if one.to_agent and one.is_reliable and not one.is_lost:
+    for one in recording.transmissions.where(to_agent=True):
+        if one.is_reliable and not one.is_lost:
             times.setdefault(one.link, one.arrived)
     return sum(
         time > times[one.link]
-        for one in recording.transmissions
-        if one.to_agent and one.link in times and SubmessageKind.CREATE_CLIENT in one.kinds
+        for one in recording.transmissions.where(to_agent=True, kinds=frozenset({SubmessageKind.CREATE_CLIENT}))
+        if one.link in times
         for time in ([one.sent] if one.arrivals is None else [arrival.time for arrival in one.arrivals])
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -55,7 +56,7 @@ class Sleep:
 def sleeps(recording: Capture) -> Iterator[Sleep]:
     """The sleeping times of all clients, as far as their silence shows them."""
     for link in range(len(recording.links)):
-        ours = [one for one in recording.transmissions if one.link == link]
+        ours = list(recording.transmissions.where(link))
         spoken = [one for one in ours if one.to_agent]
         received = [one for one in ours if not one.to_agent]
         for number, last in enumerate(spoken):
@@ -137,12 +138,13 @@ def _given_up(
     received = _received(conversation, recording)
     beats = [moment for moment in conversation.moments if isinstance(moment, Beat) and moment.unacknowledged]
     for number, beat in enumerate(beats):
-        before = [time for time, _ in received if time <= beat.time]
+        before = bisect_right(received, beat.time)
         following = beats[number + 1].time if number + 1 < len(beats) else conversation.end
-        spoken = min((time for time, _ in received if time > beat.time), default=conversation.end)
+        spoken = received[before] if before < len(received) else conversation.end
         missed = min(following, spoken) - beat.time
-        if before and missed > 3 * period * _MILLISECOND and beat.time - before[-1] > 10 * period * _MILLISECOND:
-            silence = (beat.time - before[-1]) / _MILLISECOND
+        last = received[before - 1] if before else beat.time
+        if missed > 3 * period * _MILLISECOND and beat.time - last > 10 * period * _MILLISECOND:
+            silence = (beat.time - last) / _MILLISECOND
             place = (conversation.place(beat),)
             yield Observation(silence, place), Observation(silence + period, place)
 
@@ -150,19 +152,16 @@ def _given_up(
 def _longest_silence(conversation: Conversation, recording: Capture) -> Iterator[Observation]:
     received = _received(conversation, recording)
     for moment in conversation.moments:
-        before = [time for time, _ in received if time <= moment.time]
-        if isinstance(moment, Beat) and moment.unacknowledged and before:
-            yield Observation((moment.time - before[-1]) / _MILLISECOND, (conversation.place(moment),))
+        if isinstance(moment, Beat) and moment.unacknowledged:
+            before = bisect_right(received, moment.time)
+            if before:
+                yield Observation((moment.time - received[before - 1]) / _MILLISECOND, (conversation.place(moment),))
 
 
-def _received(conversation: Conversation, recording: Capture) -> list[tuple[int, Transmission]]:
+def _received(conversation: Conversation, recording: Capture) -> list[int]:
     """The times at which packets of the client arrived at the Agent."""
-    found = [
-        (one.arrived, one)
-        for one in recording.transmissions
-        if one.link == conversation.link and one.to_agent and not one.is_lost
-    ]
-    return sorted(found, key=lambda pair: pair[0])
+    sent = recording.transmissions.where(conversation.link, to_agent=True)
+    return sorted(one.arrived for one in sent if not one.is_lost)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,9 +181,7 @@ class ReadRequest:
 
 def read_requests(recording: Capture) -> Iterator[ReadRequest]:
     """Every READ_DATA that a client sends, repetitions too."""
-    for one in recording.transmissions:
-        if not one.to_agent or SubmessageKind.READ_DATA not in one.kinds:
-            continue
+    for one in recording.transmissions.where(to_agent=True, kinds=frozenset({SubmessageKind.READ_DATA})):
         for event in one.events:
             if event.kind is SubmessageKind.READ_DATA:
                 yield ReadRequest(one.link, _samples(event), event.sequence, one.sent)

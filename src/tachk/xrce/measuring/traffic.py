@@ -43,15 +43,16 @@ def round_trips(conversation: Conversation) -> Iterator[Observation]:
 def reactions(file: str, recording: Capture) -> Iterator[Observation]:
     """From a message that comes to a client to its next ACKNACK: it answers everything."""
     for link in range(len(recording.links)):
-        ours = [one for one in recording.transmissions if one.link == link]
-        answers = [one for one in ours if one.to_agent and SubmessageKind.ACKNACK in one.kinds]
+        acknacks = frozenset({SubmessageKind.ACKNACK})
+        answers = list(recording.transmissions.where(link, to_agent=True, kinds=acknacks))
         times = [one.sent for one in answers]
-        for one in ours:
-            if one.to_agent or not one.arrivals or not _wants_answer(one):
+        for one in recording.transmissions.where(link, to_agent=False):
+            arrivals = one.arrivals if _wants_answer(one) else None
+            if not arrivals:
                 continue
             place = bisect_left(times, one.arrived)
             if place < len(answers):
-                places = PacketPlace(file, one.arrivals[0].packet), PacketPlace(file, answers[place].packet)
+                places = PacketPlace(file, arrivals[0].packet), PacketPlace(file, answers[place].packet)
                 yield Observation((times[place] - one.arrived) / _MILLISECOND, places)
 
 
@@ -67,9 +68,13 @@ def repairs(conversation: Conversation) -> Iterator[Observation]:
     repeated = {each.number for each in conversation.moments if isinstance(each, SentMessage) and each.again}
     for moment in conversation.moments:
         if isinstance(moment, SentMessage):
-            if not moment.again:
-                (unseen if moment.transmission.arrivals is None else first)[moment.number] = moment
-            elif moment.number in first and moment.transmission.arrivals and first[moment.number].transmission.is_lost:
+            if not moment.again and not moment.transmission.is_observed:
+                unseen[moment.number] = moment
+            elif not moment.again:
+                first.pop(moment.number, None)
+                if moment.transmission.is_lost:
+                    first[moment.number] = moment
+            elif moment.number in first and moment.transmission.arrivals:
                 lost = first.pop(moment.number)
                 places = conversation.place(lost), conversation.place(moment)
                 yield Observation((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
@@ -146,8 +151,7 @@ def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, SentM
 def losses(file: str, recording: Capture, to_agent: bool) -> Iterator[Observation]:
     """The part of the messages that are lost, in percent, for each link; the packets are those that are."""
     for link in range(len(recording.links)):
-        sent = [t for t in recording.transmissions if (t.link, t.to_agent) == (link, to_agent)]
-        known = [t for t in sent if t.arrivals is not None]
+        known = [t for t in recording.transmissions.where(link, to_agent) if t.is_observed]
         if known:
             lost = [t for t in known if t.is_lost]
             yield Observation(100 * len(lost) / len(known), tuple(PacketPlace(file, t.packet) for t in lost))
@@ -164,8 +168,9 @@ def delays(file: str, recording: Capture) -> Iterator[Observation]:
 def copies(file: str, recording: Capture) -> Iterator[Observation]:
     """Messages that arrive more than once, with how often."""
     for one in recording.transmissions:
-        if one.arrivals is not None and len(one.arrivals) > 1:
-            yield Observation(len(one.arrivals), tuple(PacketPlace(file, arrival.packet) for arrival in one.arrivals))
+        arrivals = one.arrivals
+        if arrivals is not None and len(arrivals) > 1:
+            yield Observation(len(arrivals), tuple(PacketPlace(file, arrival.packet) for arrival in arrivals))
 
 
 def overtakings(file: str, recording: Capture) -> Iterator[Observation]:
