@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         random_network,
     )
     from tachk.api.monitoring import MonitorReport, monitor
+    from tachk.api.repairing import repair
     from tachk.model.builder import NetworkBuilder
     from tachk.recordings.monitors.online import Monitor
     from tachk.recordings.traces.node_signal import Truth
@@ -75,6 +76,7 @@ __all__ = [
     "monitor",
     "open_trace",
     "random_network",
+    "repair",
     "replay",
     "simulate",
     "step",
@@ -91,6 +93,7 @@ _HOMES = {
     "mine": "tachk.api.mining",
     "monitor": "tachk.api.monitoring",
     "open_trace": "tachk.recordings.traces.trace_files",
+    "repair": "tachk.api.repairing",
     "replay": "tachk.simulation.stepping.library",
     "simulate": "tachk.simulation.stepping.library",
     "step": "tachk.simulation.stepping.walk",

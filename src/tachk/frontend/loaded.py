@@ -113,13 +113,15 @@ def with_constants(
     values: Mapping[str, int | str],
     properties: Collection[str],
     open_constants: Iterable[str] = (),
+    ranges: Mapping[str, tuple[int, int]] = {},
 ) -> LoadedModel:
     """The model with other values of global constants.
 
     Args:
         properties: the names of those that are kept, without their expectations.
         open_constants: those that are to keep their names, see `OpenConstants`; the network is for reading then, and
-            not for running.
+            not for running, unless all of them have
+        ranges: the values that they may be given.
 
     Raises:
         InputError: the model is wrong with these values.
@@ -135,7 +137,9 @@ def with_constants(
         for item in loaded.items
         if not isinstance(item, ast.PropertyDeclaration) or item.name.name in properties
     ]
-    context = Context(findings, budget=Budget(INSTANCES), open_constants=OpenConstants(frozenset(open_constants)))
+    context = Context(
+        findings, budget=Budget(INSTANCES), open_constants=OpenConstants(frozenset(open_constants), ranges)
+    )
     overrides = {**loaded.overrides, **given}
     result = elaborate_each_property(items, loaded.document.span, overrides, context)
     if findings.has_mistakes:

@@ -7,7 +7,7 @@ of an array, a range, an initial value), it takes the one at hand and notes the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from tachk.base.records import dataclass, field
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 class OpenConstants:
     """Attributes:
     names: of global constants that are to stay open.
+    ranges: the least and the largest value that one may be given in the network itself, for analyses that run it;
+        others are for reading only.
     variables: those that were declared so far, by name.
     needed: where elaboration needed the value of one, by name; the first place of each. Bounds of properties are left
         out.
@@ -30,6 +32,7 @@ class OpenConstants:
     """
 
     names: frozenset[str] = frozenset()
+    ranges: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     variables: dict[str, Variable] = field(default_factory=dict)
     needed: dict[str, Span] = field(default_factory=dict)
     in_bounds: dict[str, dict[Easier, Span]] = field(default_factory=dict)

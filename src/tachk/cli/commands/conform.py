@@ -22,8 +22,10 @@ from tachk.engine.options import Limits
 from tachk.recordings.conformance.question import ExplanationDetail
 
 if TYPE_CHECKING:
+    from tachk.api.model import Model
     from tachk.recordings.conformance.conform import Conformance
     from tachk.recordings.conformance.coverage import Covered
+    from tachk.report.conformance.repaired import RepairReport
 
 
 @click.command(name="conform")
@@ -80,6 +82,14 @@ if TYPE_CHECKING:
     type=options.written_file,
     help="Write the recording as a scenario of the model into this file (.ta).",
 )
+@click.option(
+    "repair",
+    "--repair",
+    is_flag=True,
+    help="Look for changes of the model that make all recordings runs of it: other values of constants, an edge that "
+    "is missing, a guard that is too narrow. Report them, the most likely ones first, each with the properties whose "
+    "answers change.",
+)
 @options.max_states()
 @options.max_seconds()
 @options.report("text", "json")
@@ -109,6 +119,7 @@ class ConformArguments:
     coverage: bool = False
     explanation: ExplanationDetail = ExplanationDetail.SHORT
     scenario: Path | None = None
+    repair: bool = False
 
 
 def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
@@ -119,7 +130,7 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
     from tachk.report.conformance.json import conformance_to_json
     from tachk.report.conformance.text import conformance_to_text, coverage_to_text
 
-    model = api.load(arguments.model, **parse_definitions(arguments.definitions))
+    given = model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     model = api.Model(recorded_model(model.loaded, model.path, model.definitions), model.path, model.definitions)
     limits = Limits(states=arguments.states, seconds=seconds)
@@ -138,6 +149,7 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
             )
             for each in arguments.recordings
         ]
+        repair = _repair(given, arguments, limits) if arguments.repair else None
     if arguments.scenario is not None:
         _write_scenario(found, arguments.scenario)
     covered: tuple[Covered, ...] = ()
@@ -151,8 +163,11 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
                 case "text":
                     out.writelines(conformance_to_text(each, arguments.model) for each in found)
                     out.write(coverage_to_text(covered) if covered else "")
+                    out.write("" if repair is None else repair.to_text())
                 case "json":
-                    json.dump(conformance_to_json(found, arguments.model, covered), out, indent=2)
+                    answers_of_all = conformance_to_json(found, arguments.model, covered)
+                    answers_of_all |= {} if repair is None else {"repair": repair.to_dict()}
+                    json.dump(answers_of_all, out, indent=2)
                     out.write("\n")
                 case _:
                     raise UsageError(f"unknown format {reporting.form}")
@@ -160,6 +175,21 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
     if False in answers:
         return ExitStatus.NOT_AS_EXPECTED
     return ExitStatus.UNKNOWN if None in answers else ExitStatus.AS_EXPECTED
+
+
+def _repair(model: Model, arguments: ConformArguments, limits: Limits) -> RepairReport:
+    from tachk.api.repairing import repair
+
+    return repair(
+        model,
+        arguments.recordings,
+        arguments.tolerance,
+        arguments.late,
+        arguments.unit,
+        arguments.ports,
+        limits,
+        arguments.applications,
+    )
 
 
 def _write_scenario(found: Sequence[Conformance], file: Path) -> None:

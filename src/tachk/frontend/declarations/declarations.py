@@ -313,7 +313,9 @@ def _constant(node: ast.Declarator, type_: Type, scope: Scope, declared: Declare
 def _open_constant(
     name: ast.Identifier, type_: Type, slots: tuple[int, ...], declared: Declared, context: Context
 ) -> ValueSymbol:
-    variable = Variable(name.name, type_, declared.kind, slots, span=name.span)
+    values = context.open_constants.ranges.get(name.name)
+    of_values = type_ if values is None or not isinstance(type_, IntType) else IntType(*values)
+    variable = Variable(name.name, of_values, declared.kind, slots, span=name.span)
     declared.variables.append(variable)
     context.constants.add(variable)
     context.open_constants.variables[name.name] = variable

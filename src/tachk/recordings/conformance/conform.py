@@ -399,7 +399,7 @@ def _furthest(search: _ConformanceSearch, answer: _SearchOutcome) -> Rejection |
     product, streams, program, found = answer.product, answer.streams, answer.program, answer.furthest
     if found is None:
         return None
-    happened = _happened(product, streams, found.path)
+    happened = events_along(product, streams, found.path)
     waiting = [
         (stream.latest[count], stream.events[count])
         for stream, count in zip(streams.streams, happened, strict=True)
@@ -416,7 +416,8 @@ def _furthest(search: _ConformanceSearch, answer: _SearchOutcome) -> Rejection |
     return Rejection(found.path, count, event, state, allowed.enabled_events, allowed.whole)
 
 
-def _happened(product: TraceProduct, streams: EventStreams, path: Sequence[Transition]) -> list[int]:
+def events_along(product: TraceProduct, streams: EventStreams, path: Sequence[Transition]) -> list[int]:
+    """How many events of each stream happen along a path."""
     counts = [0] * len(streams.streams)
     for transition in path:
         stream = product.stream_of(transition)

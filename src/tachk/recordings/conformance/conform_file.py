@@ -160,7 +160,7 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Ques
         )
 
     network, mapping = with_location_variables(loaded.network, loaded.recording)
-    events = _read(Path(recording), question)
+    events = read_recording(Path(recording), question)
     constants = constants_of(loaded)
     for reader in capture_readers():
         reader.check_room(events, constants)
@@ -190,8 +190,8 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Ques
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
-def _read(path: Path, question: Question) -> EventLog:
-    """A capture of packets, or a file of events; with the logs of applications."""
+def read_recording(path: Path, question: Question) -> EventLog:
+    """A capture of packets, or a file of events; with the logs of applications. Raises UsageError, InputError."""
     reader = capture_reader(path)
     if reader is None:
         recording = read_events(path, question.unit)

@@ -54,7 +54,7 @@ class EditSearch:
 
 
 @dataclass(frozen=True, slots=True)
-class _Start:
+class Start:
     """The state from which a component of the model goes on.
 
     Attributes:
@@ -105,7 +105,8 @@ def smallest_edit(
 
 class NearestLogSearch:
     """Attributes:
-    numbers: of the events of the recording that are near.
+    numbers: of the events of the recording that are near; by default from 60 before the one that does not fit to the
+        longest silence of the 40 to 160 behind it.
     recording: these events.
     work: how many edges have been compiled; states that were explored count as edges, too.
     """
@@ -118,27 +119,30 @@ class NearestLogSearch:
         constants: Constants,
         found: Conformance,
         limits: Limits,
+        before: int = _BEFORE,
+        behind: range = _BEHIND,
     ) -> None:
-        assert found.refusal is not None and found.refusal.event is not None
+        assert found.refusal is not None
+        event = found.refusal.event if found.refusal.event is not None else len(recording.events)
         self.network, self.mapping, self.constants = network, mapping, constants
         self.exact = found.tolerance, found.late
         self.limits = limits
         self.work = 0
         self.known: list[dict[object, bool]] = [{} for _ in found.reached]
-        base = max(found.refusal.event - _BEFORE, 0)
+        base = max(event - before, 0)
         begun = [_start(reached, base) for reached in found.reached]
         self.starts = [start for start, _ in begun]
         happened = set(range(base)).difference(*(missing for _, missing in begun))
-        top = _top(recording, found.refusal.event)
+        top = _top(recording, event, behind)
         self.numbers = [number for number in range(top) if number not in happened]
         self.recording = replace(_cut(recording, self.numbers, top), start=found.streams.origin)
 
     def accepts(self, recording: EventLog) -> bool:
         """True if each part of the model has a run along these events."""
         streams = make_streams(self.network, self.mapping, recording, self.constants, *self.exact)
-        return all(self._part(start, known, streams) for start, known in zip(self.starts, self.known, strict=True))
+        return all(self.part(start, known, streams) for start, known in zip(self.starts, self.known, strict=True))
 
-    def _part(self, start: _Start, known: dict[object, bool], streams: EventStreams) -> bool:
+    def part(self, start: Start, known: dict[object, bool], streams: EventStreams) -> bool:
         component = start.reached.component
         own = restricted(streams, component)
         key = tuple((q.values, q.earliest, q.latest, q.needed, q.optional, q.quiet_until) for q in own.streams)
@@ -160,7 +164,7 @@ class NearestLogSearch:
         return outcome.goals[0].status is Status.REACHED
 
 
-def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
+def _start(reached: Reached, base: int) -> tuple[Start, set[int]]:
     """The start of a component before it has done any event from a number on; and the events with smaller numbers that
     it has not done by then."""
     streams = reached.streams.streams
@@ -180,17 +184,17 @@ def _start(reached: Reached, base: int) -> tuple[_Start, set[int]]:
         if number < base
     }
     if not length:
-        return _Start(reached, None), missing
+        return Start(reached, None), missing
     path, actions = reached.path[:length], reached.actions[:length]
-    return _Start(reached, end_of(reached.product, reached.program, path, actions)), missing
+    return Start(reached, end_of(reached.product, reached.program, path, actions)), missing
 
 
-def _top(recording: EventLog, event: int) -> int:
+def _top(recording: EventLog, event: int, behind: range) -> int:
     """The number of the event before which the recording is cut: behind the longest silence shortly behind an event."""
     events = recording.events
-    if event + _BEHIND.stop >= len(events):
+    if event + behind.stop >= len(events):
         return len(events)
-    return max((event + n for n in _BEHIND), key=lambda n: events[n].time - events[n - 1].time)
+    return max((event + n for n in behind), key=lambda n: events[n].time - events[n - 1].time)
 
 
 def _cut(recording: EventLog, numbers: Sequence[int], top: int) -> EventLog:

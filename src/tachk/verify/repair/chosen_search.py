@@ -1,0 +1,134 @@
+"""One search that tries many choices for a part of a model: each gives a variable a value.
+
+A choice is made at the beginning, by a process that is added, or on the way, by an edge of the part itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from tachk.base.job import check_job
+from tachk.base.records import dataclass, replace
+from tachk.engine.compiler.lower import lower
+from tachk.engine.options import Limits, Options, SearchOrder
+from tachk.engine.outcome import INTERRUPTED, Status
+from tachk.engine.zone import explore
+from tachk.model.builder import ProcessBuilder, Term
+from tachk.model.expressions import VariableKind
+from tachk.model.network import Edge
+from tachk.model.run import RunTimeFault
+from tachk.recordings.conformance.nearest_log import Start
+from tachk.recordings.conformance.resumed import resumed
+from tachk.recordings.conformance.trace_product import TraceProduct
+
+_STATES = 400_000
+"""So many states at most are stored in a search."""
+_BATCH = 40
+"""So many choices are tried in one search."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenValue:
+    """Attributes:
+    number: of what is chosen.
+    variable, value: the variable holds the value where it is chosen.
+    first: it is made at the beginning.
+    """
+
+    number: int
+    variable: Term
+    value: int
+    first: bool
+
+
+def accepting_choices(
+    choices: Sequence[ChosenValue],
+    product_of: Callable[[frozenset[int]], TraceProduct],
+    start: Start,
+    limits: Limits,
+    made_by: Callable[[Edge], int | None] = lambda edge: None,
+) -> set[int]:
+    """The numbers of the choices with which a part of a model goes along with its events. One that leads to a run-time
+    error is no such choice, nor one that is not decided within the limits.
+
+    Args:
+        product_of: the network that follows the events, with the edges that make choices with these numbers.
+        start: the state from which the part goes on.
+        made_by: the number of the choice that an edge of the part makes.
+    """
+    accepting: set[int] = set()
+    for first in range(0, len(choices), _BATCH):
+        batch = list(choices[first : first + _BATCH])
+        while batch:
+            product = product_of(frozenset(choice.number for choice in batch))
+            reached, failing = _reached(product, start, batch, limits, made_by)
+            accepting |= reached
+            done = reached | {failing}
+            batch = [choice for choice in batch if choice.number not in done] if failing is not None else []
+    return accepting
+
+
+def _reached(
+    product: TraceProduct,
+    start: Start,
+    choices: Sequence[ChosenValue],
+    limits: Limits,
+    made_by: Callable[[Edge], int | None],
+) -> tuple[set[int], int | None]:
+    """The choices with which the events are a run, and the one that leads to the run-time error that ended the
+    search."""
+    check_job()
+    later = product if start.end is None else resumed(product, start.reached.product, start.end)
+    if later is None:
+        return set(), None
+    firsts = [choice for choice in choices if choice.first]
+    if firsts:
+        later = _with_chooser(later, firsts, len(firsts) < len(choices))
+    goals = [((choice.variable == choice.value) & Term(product.done)).expression for choice in choices]
+    program, compiled = lower(later.network, goals, later.tables)
+    outcome = explore(program, compiled, Options(order=SearchOrder.DFS), limits.of_states(_STATES))
+    if outcome.reason == INTERRUPTED:
+        raise KeyboardInterrupt
+    answers = zip(choices, outcome.goals, strict=True)
+    reached = {choice.number for choice, goal in answers if goal.status is Status.REACHED}
+    return reached, None if outcome.fault is None else _culprit(later, outcome.fault, firsts, made_by)
+
+
+_CHOOSER = "chooser"
+
+
+def _with_chooser(product: TraceProduct, firsts: Sequence[ChosenValue], others: bool) -> TraceProduct:
+    """The network with a process that makes one of the choices at the beginning.
+
+    Args:
+        others: it may also make none.
+    """
+    process = ProcessBuilder("chooser.", VariableKind.LOCAL, name=_CHOOSER)
+    here, there = process.location("choosing", committed=True), process.location("chosen")
+    for choice in firsts:
+        process.edge(here, there, updates=[choice.variable.assign(choice.value)])
+    if others:
+        process.edge(here, there)
+    network = replace(
+        product.network,
+        processes=(*product.network.processes, process.build()),
+        hidden=(*product.network.hidden, _CHOOSER),
+    )
+    return replace(product, network=network)
+
+
+def _culprit(
+    product: TraceProduct, fault: RunTimeFault, firsts: Sequence[ChosenValue], made_by: Callable[[Edge], int | None]
+) -> int | None:
+    """The choice that was made on the way to a run-time error."""
+    for transition in (*fault.path, *([fault.transition] if fault.transition is not None else [])):
+        for participant in transition.participants:
+            process = product.network.processes[participant.process]
+            if process.name == _CHOOSER:
+                if participant.edge < len(firsts):
+                    return firsts[participant.edge].number
+                continue
+            number = made_by(process.edges[participant.edge])
+            if number is not None:
+                return number
+    return None
