@@ -66,10 +66,11 @@ def trimmed_to(network: Network, targets: Sequence[Expression], required: Collec
 
 def _trimmed(network: Network, cone: _Cone) -> Network:
     processes = enumerate(network.processes)
-    return replace(network, processes=tuple(cone.trimmed(p) if n in cone.members else _idle(p) for n, p in processes))
+    return replace(network, processes=tuple(cone.trimmed(p) if n in cone.members else idle(p) for n, p in processes))
 
 
-def _idle(process: Process) -> Process:
+def idle(process: Process) -> Process:
+    """The process in its initial location, which it never leaves and where it blocks nothing."""
     at_rest = frozen(process)
     (location,) = at_rest.locations
     return replace(at_rest, locations=(replace(location, invariant=None, urgent=False, committed=False),))

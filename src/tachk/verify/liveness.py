@@ -71,8 +71,8 @@ def sliced(problem: Problem) -> Findings:
             continue
         # The slice may lack the part that meets a condition again: a run that does not need it decides nothing.
         query = replace(task.query, again=(), ends=None)
-        searched = _any_run(prepare(reduced.network), query, problem)
-        verdict = replace(_of_outcome(query, searched.outcome), query=task.query)
+        searched = searched_for(prepare(reduced.network), query, problem)
+        verdict = replace(outcome_of(query, searched.outcome), query=task.query)
         if verdict.answer is answers_of(task.query)[1]:
             with unhurried():
                 left_out = unexamined(problem.network, reduced.network)
@@ -105,7 +105,7 @@ def accompanied_run(problem: Problem) -> Findings:
             except StoppedError:
                 continue
             if run is not None:
-                verdict = _of_outcome(task.query, found.searched.outcome)
+                verdict = outcome_of(task.query, found.searched.outcome)
                 verdicts[task.number] = replace(verdict, trace=run if problem.trace else None)
     return Findings(verdicts)
 
@@ -129,14 +129,19 @@ def _reduced(network: Network, query: Query) -> Transformation:
     """The slice of the network that preserves liveness, where any run that avoids the goal counts."""
     if query.non_zeno:
         return unchanged(network)
-    return liveness_preserving_slice(network, [one for one in (query.avoided, query.begins) if one is not None])
+    return liveness_preserving_slice(network, conditions_of(query))
+
+
+def conditions_of(query: Query) -> list[Expression]:
+    """What a query avoids, and where that begins."""
+    return [one for one in (query.avoided, query.begins) if one is not None]
 
 
 def any_run(problem: Problem) -> Findings:
     """Searches for any run that avoids the goal: where there is none, there is none that counts."""
     verdicts, runs = {}, {}
     for task in problem.tasks:
-        searched = _any_run(problem.model, task.query, problem)
+        searched = searched_for(problem.model, task.query, problem)
         if _is_answer(problem.model, task.query, searched):
             verdicts[task.number] = _finished(problem, task, searched)
         else:
@@ -194,7 +199,7 @@ def _finished(problem: Problem, task: Task, searched: SearchedRun) -> Verdict:
         with unhurried():
             fault = outcome.fault if searched.instrumented is None else searched.instrumented.lift_fault(outcome.fault)
         outcome = replace(outcome, fault=explain(problem.model, fault))
-    verdict = _of_outcome(query, outcome)
+    verdict = outcome_of(query, outcome)
     if outcome.run is not None and (problem.trace or not outcome.exact):
         verdict = _shown(problem.model, verdict, searched)
     if searched.instrumented is not None and not query.again and outcome.status is LivenessStatus.NONE:
@@ -207,10 +212,11 @@ def _goal(query: Query) -> Expression:
     return query.avoided
 
 
-def _any_run(model: PreparedNetwork, query: Query, problem: Problem) -> SearchedRun:
+def searched_for(model: PreparedNetwork, query: Query, problem: Problem) -> SearchedRun:
+    """A search for any run that avoids the goal, with the options and limits of a problem."""
     avoided, begins, options = _goal(query), query.begins, problem.options
     program, goal, trigger = lower_obligation(model.network, avoided, begins)
-    conditions = [one for one in (avoided, begins) if one is not None]
+    conditions = conditions_of(query)
     if options.symmetry:
         program = with_symmetry(program, model.network, conditions)
     outcome = find_avoiding_run(program, goal, trigger, options, problem.limits)
@@ -284,7 +290,7 @@ SECONDS_FOR_DELAYS, LEAST_SECONDS_FOR_DELAYS = 30.0, 1.0
 """The longest and the shortest time that the search for the delays of a found run gets, whatever the limits."""
 
 
-def _of_outcome(query: Query, outcome: LivenessOutcome) -> Verdict:
+def outcome_of(query: Query, outcome: LivenessOutcome) -> Verdict:
     """The verdict without the run behind it."""
     verdict = Verdict(query, Answer.UNKNOWN, True, outcome.reason, outcome.statistics, fault=outcome.fault)
     on_found, otherwise = answers_of(query)

@@ -148,6 +148,13 @@ LIVENESS = (
         share=0.5,
     ),
     Strategy(
+        "apart",
+        "leave out parts that have nothing to do with the goal, can always go on, and take their time",
+        _named("tachk.verify.independent_parts:apart"),
+        states=_MANY,
+        share=0.5,
+    ),
+    Strategy(
         "any-run",
         "search for any run that avoids the goal, also one that does not count",
         _named("tachk.verify.liveness:any_run"),
