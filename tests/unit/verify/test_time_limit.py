@@ -17,7 +17,7 @@ from tachk.base.span import Source
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.reporting import RunReporting
 from tachk.cli.verification import VerifyArguments, run_verify
-from tachk.engine import core_search, liveness, measuring, zone
+from tachk.engine import core_search, liveness, measuring, taking_turns, zone
 from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import TIME_LIMIT, GoalOutcome, Outcome, Statistics, Status
 from tachk.formats.loading.load import load_model
@@ -215,7 +215,7 @@ def test_what_the_search_decides_at_the_last_moment_is_reported(name: str, monke
         return found
 
     monkeypatch.setattr(module, "monotonic", lambda: monotonic() + late[0])
-    for engine in (zone, liveness, measuring):
+    for engine in (zone, taking_turns, liveness, measuring):
         monkeypatch.setattr(engine, "run_in_slices", ended)
     (hurried,) = verify(model.network, [query], options, Limits(seconds=1000))
     assert late[0] > 0
