@@ -56,10 +56,11 @@ def test_figures() -> None:
 
 
 def test_cpu_time_is_no_wall_clock_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    import tachk.engine.zone as zone
+    from tachk.engine import taking_turns, zone
 
-    ticks = iter((1.0, 1.25, 3.0, 3.25, 5.0, 5.25))
-    monkeypatch.setattr(zone, "user_seconds", lambda: next(ticks))
+    ticks = iter(0.25 * number for number in range(100))
+    for module in (taking_turns, zone):
+        monkeypatch.setattr(module, "user_seconds", lambda: next(ticks))
     assert " -- CPU user time used : 250 ms" in run_to_verifyta(record())
 
 
