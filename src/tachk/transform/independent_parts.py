@@ -39,20 +39,20 @@ def independent_parts(network: Network, targets: Sequence[Expression]) -> tuple[
     if every_action_counts(network, targets):
         return ()
     known = known_values(network, [])
-    named, asked = mentioned_components(targets, known)
-    parts: list[tuple[set[int], set[Component]]] = [(named, asked)]
+    named, mentioned = mentioned_components(targets, known)
+    parts: list[tuple[set[int], set[Component]]] = [(named, mentioned)]
     for number, process in enumerate(network.processes):
         seen, components = mentioned_components(list(process_expressions(process)), known)
         members, shared = {number, *seen}, set(components)
-        apart = []
+        separate = []
         for others, theirs in parts:
             if members.isdisjoint(others) and not ComponentSet(theirs).meets(shared):
-                apart.append((others, theirs))
+                separate.append((others, theirs))
             else:
                 members, shared = members | others, shared | theirs
         # That of the targets stays the first.
         first = not parts[0][0].isdisjoint(members) or ComponentSet(parts[0][1]).meets(shared)
-        parts = [(members, shared), *apart] if first else [*apart, (members, shared)]
+        parts = [(members, shared), *separate] if first else [*separate, (members, shared)]
     return tuple(frozenset(members) for members, _ in parts[1:] if members and _is_plain(network, members))
 
 

@@ -22,7 +22,7 @@ _FEW = 2_000
 """So many states of the whole network are searched before: most runs are found in them, and small networks decided."""
 
 
-def apart(problem: Problem) -> Findings:
+def decomposed(problem: Problem) -> Findings:
     """Searches the network without the parts that change nothing (see `tachk.transform.independent_parts`).
 
     Only that there is no run is an answer.
@@ -49,8 +49,8 @@ def _in_few_states(problem: Problem) -> dict[int, Verdict]:
     if "any-run" in problem.options.without:
         return {}
     found = any_run(replace(problem, limits=problem.limits.of_states(_FEW))).verdicts
-    decided = {number: verdict for number, verdict in found.items() if verdict.answer is not Answer.UNKNOWN}
-    return {number: replace(verdict, strategy="any-run") for number, verdict in decided.items()}
+    answered = {number: verdict for number, verdict in found.items() if verdict.answer is not Answer.UNKNOWN}
+    return {number: replace(verdict, strategy="any-run") for number, verdict in answered.items()}
 
 
 def _without(problem: Problem, task: Task, parts: list[frozenset[int]]) -> Verdict | None:

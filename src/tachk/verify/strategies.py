@@ -148,9 +148,9 @@ LIVENESS = (
         share=0.5,
     ),
     Strategy(
-        "apart",
+        "decomposed",
         "leave out parts that have nothing to do with the goal, can always go on, and take their time",
-        _named("tachk.verify.independent_parts:apart"),
+        _named("tachk.verify.independent_parts:decomposed"),
         states=_MANY,
         share=0.5,
     ),

@@ -61,7 +61,7 @@ def test_processes_that_share_something_belong_together() -> None:
 @pytest.mark.parametrize(
     ("change", "to", "answer", "row"),
     [
-        ("", "", "holds", "apart"),
+        ("", "", "holds", "decomposed"),
         ("guard y >= 4; assign y = 0;", "guard y >= 7; assign y = 0;", "fails", "any-run"),  # nothing goes on after 6
         ("to a { sync go?; }", "to a { sync go?; } to a { }", "fails", "any-run"),  # it may go round in no time
     ],
@@ -74,7 +74,7 @@ def test_what_may_stop_time_is_not_left_out(
     for options in (Options(), Options().off("symmetry")):
         (found,) = model.verify(options=options)
         assert (found.answer.value, found.strategy) == (answer, row)
-    (found,) = model.verify(options=Options().off("apart"))
+    (found,) = model.verify(options=Options().off("decomposed"))
     assert found.answer.value == answer
 
 
@@ -117,9 +117,9 @@ def test_no_answer_changes(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
         model = tachk.loads(text)
         for query in (f"P.l{one} --> P.l{other}", f"A<> P.l{other}"):
             answers = set()
-            for options in (Options(), Options().off("apart", "sliced")):
+            for options in (Options(), Options().off("decomposed", "sliced")):
                 (found,) = model.verify(query, options=options, limits=Limits(states=20_000))
                 answers.add(found.answer)
                 decided[found.strategy] += 1
             assert len(answers - {Answer.UNKNOWN}) <= 1, f"seed {seed}: {query}"
-    assert enough(decided["apart"] > 0)
+    assert enough(decided["decomposed"] > 0)
