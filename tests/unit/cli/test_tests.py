@@ -69,7 +69,7 @@ def test_a_suite_fails_for_a_changed_model(tmp_path: Path) -> None:
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "suite/test_cover.py"]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
-    assert "2 passed" in replayed().stdout
+    assert "3 passed" in replayed().stdout
     changed = text.replace("rest >= REST", "rest >= REST + 1")
     assert changed != text
     model.write_text(changed, encoding="utf-8")
@@ -105,3 +105,43 @@ def test_wrong_arguments(tmp_path: Path) -> None:
     status, output = made(FISCHER, "-o", file)
     assert (status, "cannot be made" in output) == (2, True)
     assert made(tmp_path / "none.ta")[0] == 2
+
+
+def certified(folder: Path, *given: str) -> tuple[int, str]:
+    files = [str(folder / f"cannot_be_covered.{end}") for end in ("ta", "cert")]
+    outcome = CliRunner().invoke(app, ["certify", *files, *given])
+    return outcome.exit_code, outcome.stdout
+
+
+@pytest.mark.parametrize("cover", ["edges", "locations"])
+def test_what_is_impossible_has_a_certificate(tmp_path: Path, cover: str) -> None:
+    model = tmp_path / "model.ta"
+    model.write_text(UNREACHED.replace("clock x;", "clock x; bool taken_1;"), encoding="utf-8")
+    status, document = report(model, "--cover", cover, "-o", tmp_path / "suite")
+    assert (status, len(document["impossible"])) == (0, {"edges": 2, "locations": 1}[cover])
+    status, output = certified(tmp_path / "suite")
+    conditions = {"edges": "!(P.taken__1 || P.taken__2)", "locations": "!(P.C)"}[cover]
+    assert status == 0 and f"never_covered: A[] {conditions}" in output, output
+    tests = (tmp_path / "suite" / "test_cover.py").read_text(encoding="utf-8")
+    assert "def test_proofs" in tests and "cannot_be_covered.cert" in tests
+
+
+def test_certificate_is_about_the_same_constants(tmp_path: Path) -> None:
+    """Without its constants the edge can be taken, and the certificate is rejected."""
+    model = tmp_path / "model.ta"
+    model.write_text("const int LIMIT = 3;\n" + UNREACHED.replace("x > 2", "x >= LIMIT"), encoding="utf-8")
+    assert made(model, "-o", tmp_path / "suite", "-q")[0] == 0
+    assert certified(tmp_path / "suite")[0] == 0
+    assert certified(tmp_path / "suite", "-D", "LIMIT=2")[0] == 10
+
+
+def test_certificate_of_an_earlier_suite_does_not_stay(tmp_path: Path) -> None:
+    model = tmp_path / "model.ta"
+    model.write_text(UNREACHED, encoding="utf-8")
+    assert made(model, "-o", tmp_path / "suite", "-q")[0] == 0
+    model.write_text(UNREACHED.replace("x > 2", "x >= 2"), encoding="utf-8")
+    assert made(model, "-o", tmp_path / "suite", "-q")[0] == 0
+    assert {path.name for path in (tmp_path / "suite").iterdir()} & {
+        "cannot_be_covered.ta",
+        "cannot_be_covered.cert",
+    } == set()

@@ -158,6 +158,35 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
         arguments.definitions,
         [each[0] for each in files],
         [name for each in files for name in each[1:]],
+        _write_proofs(arguments, folder, model, suite),
     )
     write_whole(folder / "test_cover.py", text)
     return files
+
+
+_NOTING = "cannot_be_covered.ta"
+_PROOFS = "cannot_be_covered.cert"
+
+
+def _write_proofs(
+    arguments: SuiteArguments, folder: Path, model: Model, suite: CoveringSuite
+) -> tuple[str, str] | None:
+    """Writes a model that notes what no run covers, and the certificate that it is never noted; None if there is
+    nothing of that kind, or a limit kept the certificate from being made."""
+    from tachk.api import model as api
+    from tachk.base.whole_files import write_whole
+    from tachk.cli.arguments import parse_definitions
+    from tachk.cli.certificate_file import write_certificates
+    from tachk.report.covering.untaken_model import untaken_model
+
+    noting = untaken_model(model.loaded, suite)
+    for name in (_NOTING, _PROOFS):
+        (folder / name).unlink(missing_ok=True)
+    if noting is None:
+        return None
+    write_whole(folder / _NOTING, noting)
+    limits = Limits(states=arguments.states, seconds=arguments.seconds)
+    searched = api.load(folder / _NOTING, **parse_definitions(arguments.definitions))
+    record = searched.verify(limits=limits, trace=False).record
+    status = write_certificates(folder / _PROOFS, searched.network, record.verdicts, record.options, limits)
+    return (_NOTING, _PROOFS) if status is ExitStatus.AS_EXPECTED else None

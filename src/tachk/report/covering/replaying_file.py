@@ -42,21 +42,43 @@ def test_recording(recording: str) -> None:
     check("conform", recording)
 '''
 
+_OF_PROOFS = '''
 
-def pytest_file(model: str, definitions: Sequence[str], runs: Sequence[str], recordings: Sequence[str]) -> str:
+def test_proofs() -> None:
+    """What no run covers is impossible: the certificate proves it of a model that notes what is taken."""
+    arguments = ["certify", str(FOLDER / {noting}), str(FOLDER / {proofs}), *DEFINITIONS]
+    done = subprocess.run([sys.executable, "-m", "tachk", *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+'''
+
+
+def pytest_file(
+    model: str,
+    definitions: Sequence[str],
+    runs: Sequence[str],
+    recordings: Sequence[str],
+    proofs: tuple[str, str] | None = None,
+) -> str:
     """The text of the file.
 
     Args:
         model: its path from the folder of the file.
         definitions: those of ``-D``, as they were given.
         runs, recordings: the names of files of the folder.
+        proofs: those of the model that notes what is taken and of the certificate about it; None: there is none.
     """
     given = [word for each in definitions for word in ("-D", each)]
-    template = _TEMPLATE + (_OF_RECORDINGS if recordings else "")
+    template = _TEMPLATE + (_OF_RECORDINGS if recordings else "") + ("" if proofs is None else _OF_PROOFS)
+    noting, certificate = proofs or ("", "")
     if not recordings:
         template = template.replace("RECORDINGS: list[str] = {recordings}\n", "")
     return template.format(
-        model=_quoted(model), definitions=_listed(given), runs=_listed(runs), recordings=_listed(recordings)
+        model=_quoted(model),
+        definitions=_listed(given),
+        runs=_listed(runs),
+        recordings=_listed(recordings),
+        noting=_quoted(noting),
+        proofs=_quoted(certificate),
     )
 
 
