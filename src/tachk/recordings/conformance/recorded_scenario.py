@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.model.expressions import Constant, Expression, LocationTest, Reference, Variable
+from tachk.model.quantity import grouped
 from tachk.model.recording import VisibleEvents
 from tachk.model.traversal import walk
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.event_streams import EventStream, channel_variable
+from tachk.recordings.conformance.segments import LongRun
 from tachk.syntax.printing.scenario_text import scenario_text
 
 
@@ -17,9 +19,14 @@ def scenario_of_recording(found: Conformance, name: str) -> str:
     """The scenario whose events are those of a recording that was held against its model.
 
     Two events are as far apart as they may be with the tolerance and the lateness of both. Columns that show where a
-    process is, or that are computed of an index, are left out. Raises UsageError for a recording without events, or one
-    that does not say whether an event has happened.
+    process is, or that are computed of an index, are left out. Raises UsageError for a recording without events, for
+    one of so many that its run is not held, or one that does not say whether an event has happened.
     """
+    if any(isinstance(run, LongRun) for run in found.runs):
+        raise UsageError(
+            f"{found.recording.source} has {grouped(len(found.recording.events))} events, too many for a scenario",
+            "cut out the part that matters",
+        )
     streams = found.streams.streams
     events = sorted(
         (number, n, place) for n, stream in enumerate(streams) for place, number in enumerate(stream.events)

@@ -21,6 +21,7 @@ from tachk.recordings.conformance.conform import Conformance, ConformingRun, con
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import read_events
 from tachk.recordings.conformance.events import EventLog
+from tachk.recordings.conformance.recorded_scenario import scenario_of_recording
 from tachk.recordings.conformance.segments import LongRun
 from tachk.recordings.conformance.trace_product import TraceProduct
 from tachk.xrce.conformance.packet_events import read_capture
@@ -107,3 +108,14 @@ def test_captures_in_segments(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
         assert len(path) == long.transitions
         moments, why = exact_run(program, goal, path)
         assert moments is not None, why
+
+
+def test_a_long_recording_makes_no_scenario(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its streams are not held, so a scenario of them would be one of the last events alone."""
+    dimmer = ROOT / "examples/dimmer"
+    model = tachk.load(dimmer / "dimmer.ta")
+    in_segments(monkeypatch, 2, 2)
+    found = held(model, read_events(dimmer / "pressed.csv"), 1, 1)
+    assert found.accepted and any(isinstance(run, LongRun) for run in found.runs)
+    with pytest.raises(tachk.UsageError, match="too many for a scenario"):
+        scenario_of_recording(found, "pressed")
