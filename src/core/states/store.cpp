@@ -24,9 +24,8 @@ PassedList::PassedList(const program::Program& program, const ZoneOperations& zo
     : dimension_(program.dimension()),
       zones_(zones, dimension_, smaller, options.rows_after),
       buffer_(zones),
-      scaled_(with_shorter_vectors(zones, !smaller.empty())),
       reclaim_(options.reclaim),
-      scale_(zones::choose_scale(scaled_, dimension_, 0)),
+      scale_(with_shorter_vectors(zones, !smaller.empty()), dimension_),
       discretes_(program, options.chunk_words),
       nodes_(sizeof(Node)) {}
 
@@ -145,8 +144,7 @@ bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_num
   return false;
 }
 
-void PassedList::rescale(zones::Raw largest_entry) {
-  scale_ = zones::choose_scale(scaled_, dimension_, largest_entry + largest_entry / 2);
+void PassedList::measure_anew() {
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
     members.measure_anew([&](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
@@ -154,19 +152,28 @@ void PassedList::rescale(zones::Raw largest_entry) {
   }
 }
 
-void PassedList::add_to(Antichain& members, std::uint32_t number) {
-  ZoneView zone = this->zone(number, buffer_);
+void PassedList::fit_scale(const Antichain& members) {
+  std::vector<std::uint32_t> numbers;
+  members.for_each([&](std::uint32_t number) { numbers.push_back(number); });
+  for (std::size_t n = 0; n < FittedScale::sample; ++n) numbers[n] = numbers[n * numbers.size() / FittedScale::sample];
+  numbers.resize(FittedScale::sample);
+  const auto extent_of = [&](std::uint32_t number, const zones::ExtentScale& scale) {
+    const ZoneView zone = this->zone(number, buffer_);
+    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale);
+  };
+  if (scale_.fit(numbers, extent_of)) measure_anew();
+}
+
+void PassedList::add_to(Antichain& members, std::uint32_t number, ZoneView zone) {
   const zones::Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
-  if (largest_entry > scale_.limit) {
-    rescale(largest_entry);
-    zone = this->zone(number, buffer_);  // where others have been meanwhile
-  }
+  if (scale_.admit(largest_entry)) measure_anew();
   chain_bytes_ -= members.bytes();
   members.add(extent_of(zone), number, first_waiting_);
   chain_bytes_ += members.bytes();
+  if (scale_.is_due() && members.size() >= FittedScale::sample) fit_scale(members);
 }
 
-void PassedList::append(std::uint32_t discrete, std::uint32_t number) {
+void PassedList::append(std::uint32_t discrete, std::uint32_t number, ZoneView zone) {
   std::uint32_t& head = this->head(discrete);
   if (!is_long(head)) {
     std::size_t length = 0;
@@ -176,16 +183,17 @@ void PassedList::append(std::uint32_t discrete, std::uint32_t number) {
       head = number;
       return;
     }
+    zones::ZoneBuffer buffer(buffer_);   // which others are read to
     std::vector<std::uint32_t> members;  // the newest comes first
     for (std::uint32_t member = head; member != no_node; member = next(member)) members.push_back(member);
     head = static_cast<std::uint32_t>(chains_.size()) | mark;
     chain_bytes_ += chains_.emplace_back().bytes();
     for (auto member = members.rbegin(); member != members.rend(); ++member) {
-      add_to(chains_.back(), *member);
+      add_to(chains_.back(), *member, this->zone(*member, buffer));
       entry(*member).link = discrete | mark;
     }
   }
-  add_to(chain(head), number);
+  add_to(chain(head), number, zone);
 }
 
 std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
@@ -200,15 +208,16 @@ std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32
     zones_.release(zone_number);
     return no_node;
   }
-  return append_node(discrete, zone_number, parent);
+  return append_node(discrete, zone_number, parent, zone);
 }
 
-std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent) {
+std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent,
+                                      ZoneView zone) {
   const std::uint32_t fresh = nodes_.append();
   if (((fresh | discrete | zone_number) & mark) != 0) throw std::length_error("more states than node numbers");
   entry(fresh) = {discrete | mark, zone_number};
   parents_.append(parent);
-  append(discrete, fresh);
+  append(discrete, fresh, zone);
   ++stored_;
   return fresh;
 }

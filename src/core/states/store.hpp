@@ -11,6 +11,7 @@
 #include "program/program.hpp"
 #include "states/antichain.hpp"
 #include "states/discrete.hpp"
+#include "states/fitted_scale.hpp"
 #include "states/memory.hpp"
 #include "states/parents.hpp"
 #include "states/zone_store.hpp"
@@ -138,17 +139,18 @@ class PassedList {
     return zones_.is_covered(zone_of(number), zone, bounds);
   }
   void cover(std::uint32_t number, std::uint32_t discrete);
-  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent);
+  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent, ZoneView zone);
   bool is_protected(std::uint32_t number) const { return number - protected_.first < protected_.count; }
   // True if an antichain has a member with this zone, which has this number.
   bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
-  void append(std::uint32_t discrete, std::uint32_t number);
-  void add_to(Antichain& members, std::uint32_t number);
+  void append(std::uint32_t discrete, std::uint32_t number, ZoneView zone);
+  void add_to(Antichain& members, std::uint32_t number, ZoneView zone);
   zones::Extent extent_of(ZoneView zone) const {
-    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_);
+    return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_.scale());
   }
-  // Chooses the scale for a larger entry than has been seen, and with it all extents anew.
-  void rescale(zones::Raw largest_entry);
+  // Gives all members of long antichains extents in the scale that has just been chosen.
+  void measure_anew();
+  void fit_scale(const Antichain& members);
   // The first node of the antichain of a discrete part, or the number of a long one with the mark.
   std::uint32_t& head(std::uint32_t discrete) { return discretes_.note(discrete); }
   std::uint32_t head(std::uint32_t discrete) const { return discretes_.note(discrete); }
@@ -156,10 +158,9 @@ class PassedList {
 
   int dimension_;
   ZoneStore zones_;
-  zones::ZoneBuffer buffer_;      // for a copy of one of them
-  zones::ZoneOperations scaled_;  // for which the scale is chosen
+  zones::ZoneBuffer buffer_;  // for a copy of one of them
   bool reclaim_;
-  zones::ExtentScale scale_;
+  FittedScale scale_;
   DiscreteStates discretes_;
   RecordPool nodes_;
   Parents parents_;
