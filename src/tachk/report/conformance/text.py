@@ -65,7 +65,7 @@ def units_text(amount: Fraction, unit: str) -> str:
     """An amount of units of the model."""
     number, _, name = unit.rpartition(" ")
     value = amount * Fraction(number or 1)
-    return f"{float(value):g} {name}".rstrip()
+    return f"{float(value):.10g} {name}".rstrip()
 
 
 def conformance_to_text(found: Conformance, model: str) -> str:

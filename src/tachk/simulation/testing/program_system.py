@@ -20,7 +20,7 @@ from pathlib import Path
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
 from tachk.simulation.testing.arrivals import Arrival, Arrivals
-from tachk.simulation.testing.event_lines import READY, event_line, line_output, read_line, until_line
+from tachk.simulation.testing.event_lines import READY, event_line, line_output, number, read_line, until_line
 from tachk.simulation.testing.real_time import RealTimeSystem
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemEndedError
 
@@ -201,6 +201,7 @@ class DrivenProgram:
         self._program = StreamedProgram(command)
         self._now = Fraction(0)
         self._read = b""
+        self._question = ""
 
     def start(self) -> None:
         self._program.spawn()
@@ -214,7 +215,9 @@ class DrivenProgram:
         pipe = process.stdout.fileno()
         while b"\n" not in self._read and len(self._read) < _LONGEST_LINE:
             if not select.select([pipe], [], [], _SECONDS_TO_ANSWER)[0]:
-                raise SystemEndedError(f"{self._program.command[0]} gives no answer for {_SECONDS_TO_ANSWER:g} s")
+                raise SystemEndedError(
+                    f"{self._program.command[0]} gives no answer{self._question} for {_SECONDS_TO_ANSWER:g} s"
+                )
             block = os.read(pipe, 1 << 16)
             if not block:
                 break
@@ -230,7 +233,9 @@ class DrivenProgram:
         return self._now
 
     def next_output(self, until: Fraction) -> SeenOutput | None:
-        self._program.write(until_line(until))
+        question = until_line(until)
+        self._question = f" to {question.strip()}"
+        self._program.write(question)
         line = self._line()
         if not line:
             raise self._program.ended()
@@ -239,8 +244,9 @@ class DrivenProgram:
         if moment is None or not self._now <= moment <= until:
             raise UsageError(
                 f"the program answers {line.decode('utf-8', 'replace').strip()}, which has no `time` from "
-                f"{float(self._now):g} to {float(until):g}",
-                'answer {"until": T} with the first event until then and its time, or with {"time": T}',
+                f"{number(self._now)} to {number(until)}",
+                'answer {"until": T} with the first event until then and its time, or with {"time": T}; '
+                "write all digits of a time",
             )
         self._now = moment if name is not None else until
         return None if name is None else SeenOutput(moment, name, cells)

@@ -44,8 +44,17 @@ def test_driven_program_that_does_not_answer_is_inconclusive(tmp_path: Path, mon
     system = DrivenProgram(written(tmp_path, READY + "import time\ntime.sleep(1000)"))
     system.start()
     monkeypatch.setattr(program_system, "_SECONDS_TO_ANSWER", 0.05)
-    with pytest.raises(SystemEndedError, match=r"gives no answer for 0\.05 s"):
+    with pytest.raises(SystemEndedError, match=r'gives no answer to \{"until": 1\} for 0\.05 s'):
         system.next_output(Fraction(1))
+    system.abandon()
+
+
+def test_time_of_few_digits_is_rejected(tmp_path: Path) -> None:
+    answer = "input()\nprint('{\"time\": 14373.3274}', flush=True)\ninput()"
+    system = DrivenProgram(written(tmp_path, READY + answer))
+    system.start()
+    with pytest.raises(UsageError, match=r"no `time` from 0 to 14373\.32736"):
+        system.next_output(Fraction("14373.32736"))
     system.abandon()
 
 
