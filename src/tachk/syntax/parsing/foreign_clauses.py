@@ -27,6 +27,23 @@ def untyped_constant(situation: ParseSituation) -> Diagnostic | None:
     return Diagnostic("E0101", f"`{span.text}` has no type", span, f"write `{text}`")
 
 
+def unnamed_event(situation: ParseSituation) -> Diagnostic | None:
+    """``visible press;``."""
+    tokens, index = situation.tokens, situation.index
+    begin = next((n for n in range(index - 1, -1, -1) if tokens[n].text in (";", "{", "visible")), index)
+    if situation.token.text != ";" or tokens[begin].text != "visible" or "AS" not in situation.accepted:
+        return None
+    channel = tokens[begin + 1].text
+    columns = ", ".join(each.text for each in tokens[begin + 2 : index] if each.type == "NAME")
+    clause = tokens[begin].span.to(tokens[index - 1].span)
+    return Diagnostic(
+        "E0101",
+        "a visible channel needs the name of its event",
+        clause,
+        f"write `{clause.text} as {channel}({columns});`",
+    )
+
+
 def foreign_clause(situation: ParseSituation) -> Diagnostic | None:
     """The diagnostic for an edge whose clauses lack their words, or have others; None where that is not it."""
     tokens, index = situation.tokens, situation.index

@@ -9,7 +9,7 @@ from tachk.base.span import Span
 from tachk.syntax.formulas.foreign_operators import operator_word
 from tachk.syntax.formulas.tokens import PREFIX, WORDS, lacks_full_stop
 from tachk.syntax.parsing.contextual import PATHS, SPELLING
-from tachk.syntax.parsing.foreign_clauses import foreign_clause, untyped_constant
+from tachk.syntax.parsing.foreign_clauses import foreign_clause, unnamed_event, untyped_constant
 from tachk.syntax.parsing.foreign_formulas import foreign_formula, trailing_point
 from tachk.syntax.parsing.foreign_words import foreign_word
 from tachk.syntax.parsing.situation import CLOSES, ParseSituation, item_start, query_start, until_end
@@ -57,6 +57,7 @@ def explain(situation: ParseSituation) -> Diagnostic:
         or trailing_point(situation)
         or foreign_clause(situation)
         or untyped_constant(situation)
+        or unnamed_event(situation)
         or foreign_word(situation)
         or _missing(situation)
         or _brackets(situation)
