@@ -104,13 +104,16 @@ TUTORIAL = "docs/tutorial.md"
 IN_ORDER = (TUTORIAL, "docs/tutorials/from_uppaal.md", "docs/tutorials/log.md", "docs/tutorials/notebook.md")
 """Pages whose files, commands and Python go in the order of the page, in an empty folder."""
 
+ELSEWHERE = ("docs/own_program.md",)
+"""Pages with a test module of their own."""
+
 
 def showing(brings_files: bool) -> list[str]:
-    """The pages with commands, but for those in `IN_ORDER`, that bring the files they speak of, or that do not."""
+    """The pages with commands, but for `IN_ORDER` and `ELSEWHERE`, that bring their files, or that do not."""
     pages = []
     for name in PAGES:
         files, commands = read_document(CHECKOUT / name)
-        if commands and name not in IN_ORDER and bool(files) is brings_files:
+        if commands and name not in (*IN_ORDER, *ELSEWHERE) and bool(files) is brings_files:
             pages.append(name)
     return pages
 
