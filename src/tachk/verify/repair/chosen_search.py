@@ -84,7 +84,7 @@ def _reached(
     firsts = [choice for choice in choices if choice.first]
     if firsts:
         later = _with_chooser(later, firsts, len(firsts) < len(choices))
-    goals = [((choice.variable == choice.value) & Term(product.done)).expression for choice in choices]
+    goals = [((choice.variable == choice.value) & Term(later.done)).expression for choice in choices]
     program, compiled = lower(later.network, goals, later.tables)
     outcome = explore(program, compiled, Options(order=SearchOrder.DFS), limits.of_states(_STATES))
     if outcome.reason == INTERRUPTED:
