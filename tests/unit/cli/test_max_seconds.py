@@ -17,7 +17,7 @@ from tachk.base.span import Source
 from tachk.cli.commands.check import run_check
 from tachk.cli.exit_status import ExitStatus
 from tachk.cli.main import COMMANDS, app, load_command
-from tachk.engine import liveness, measuring, zone
+from tachk.engine import liveness, measuring, taking_turns, zone
 from tachk.engine.outcome import INTERRUPTED
 from tachk.formats.catalogue import export_model
 from tachk.formats.layout.placement.template import place_template
@@ -220,7 +220,7 @@ def test_what_a_template_assigns_to_is_found_once(monkeypatch: pytest.MonkeyPatc
 
 @pytest.fixture
 def interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
-    for searching in (zone, measuring, liveness):
+    for searching in (zone, taking_turns, measuring, liveness):
         monkeypatch.setattr(searching, "run_in_slices", lambda *_: (_core.Status.RUNNING, INTERRUPTED))
 
 
