@@ -26,6 +26,17 @@ def write_certificates(
 
     UNKNOWN if a limit keeps one from being made. Ctrl-C leaves the file as it was: raises KeyboardInterrupt.
     """
+    names, status = written_certificates(path, network, verdicts, options, limits)
+    nothing = "no proof: only A[], A<> and --> that hold have one, and E<> and E[] that fail"
+    content = f"proofs of {', '.join(names)}" if names else nothing
+    print(f"{path}: {content} ({bytes_(path.stat().st_size)})", file=sys.stderr)
+    return status
+
+
+def written_certificates(
+    path: Path, network: Network, verdicts: Sequence[Verdict], options: Options, limits: Limits
+) -> tuple[list[str], ExitStatus]:
+    """The same with no report but on what could not be written. Returns the names of the queries, and the status."""
     statuses = [ExitStatus.AS_EXPECTED]
     with unhurried():
         provable = [verdict for verdict in verdicts if is_provable(verdict)]
@@ -42,7 +53,4 @@ def write_certificates(
             proof = widened_proof(network, verdict.query, proof, verdict.statistics.states_stored)
             writer.write(proof.header, proof.blocks())
             names.append(verdict.query.name)
-    nothing = "no proof: only A[], A<> and --> that hold have one, and E<> and E[] that fail"
-    content = f"proofs of {', '.join(names)}" if names else nothing
-    print(f"{path}: {content} ({bytes_(path.stat().st_size)})", file=sys.stderr)
-    return worst(statuses)
+    return names, worst(statuses)

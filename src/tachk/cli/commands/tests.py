@@ -176,7 +176,7 @@ def _write_proofs(
     from tachk.api import model as api
     from tachk.base.whole_files import write_whole
     from tachk.cli.arguments import parse_definitions
-    from tachk.cli.certificate_file import write_certificates
+    from tachk.cli.certificate_file import written_certificates
     from tachk.report.covering.untaken_model import untaken_model
 
     noting = untaken_model(model.loaded, suite)
@@ -188,5 +188,5 @@ def _write_proofs(
     limits = Limits(states=arguments.states, seconds=arguments.seconds)
     searched = api.load(folder / _NOTING, **parse_definitions(arguments.definitions))
     record = searched.verify(limits=limits, trace=False).record
-    status = write_certificates(folder / _PROOFS, searched.network, record.verdicts, record.options, limits)
-    return (_NOTING, _PROOFS) if status is ExitStatus.AS_EXPECTED else None
+    names, _ = written_certificates(folder / _PROOFS, searched.network, record.verdicts, record.options, limits)
+    return (_NOTING, _PROOFS) if names else None
