@@ -13,8 +13,7 @@ from tachk.base.job import limited
 from tachk.engine.options import Limits
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.frontend.loaded import LoadedModel, with_constants
-from tachk.recordings.captures import capture_readers
-from tachk.recordings.conformance.conform_file import AUTO, constants_of, duration, read_recording
+from tachk.recordings.conformance.conform_file import AUTO, duration, read_recording, recording_map
 from tachk.recordings.conformance.question import Question
 from tachk.report.conformance.repaired import ChangedVerdict, RepairReport
 from tachk.syntax import ast
@@ -53,21 +52,14 @@ def repair(
     if tolerance == AUTO:
         raise UsageError("the tolerance `auto` makes recordings runs by itself", "give a tolerance, such as 5ms")
     held = recorded_model(model.loaded, model.path, model.definitions)
-    if held.recording is None:
-        raise UsageError(
-            f"{model.path} does not say how recordings are read",
-            "write `recording { visible channel as event(); }` into it",
-        )
+    recording_map(held, model.path)
     limits = limits or Limits()
     unit_of_model = held.network.time_unit
     logs = tuple(os.fspath(each) for each in applications)
     question = Question(tolerance, late, unit, tuple(ports), logs)
     paths = [os.fspath(each) for each in recordings]
     with limited(limits.seconds):
-        events = [read_recording(Path(each), question) for each in paths]
-        for reader in capture_readers():
-            for each in events:
-                reader.check_room(each, constants_of(held))
+        events = [read_recording(Path(each), question, held) for each in paths]
         exact = None if tolerance is None else duration(tolerance, unit_of_model)
         lateness = None if late is None else duration(late, unit_of_model)
         found = repaired(held, events, exact, lateness, limits)
@@ -82,11 +74,11 @@ def repair(
 
 def _with_value(loaded: LoadedModel, name: str, value: int) -> LoadedModel | None:
     """The model with a constant or a number changed; None if it has none of that name, or is wrong with it."""
-    loaded = with_named_numbers(loaded)
-    if name not in dict(loaded.network.constants):
+    named = with_named_numbers(loaded)
+    if name not in dict(named.network.constants):
         return None
     try:
-        return with_constants(loaded, {name: value}, [query.name for query in loaded.queries])
+        return with_constants(named, {name: value}, [query.name for query in loaded.queries])
     except (InputError, UsageError):
         return None
 

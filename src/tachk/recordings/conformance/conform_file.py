@@ -17,6 +17,7 @@ from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
+from tachk.model.recording import RecordingMap
 from tachk.recordings.captures import capture_reader, capture_readers
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
@@ -154,16 +155,9 @@ def conform_file(loaded: LoadedModel, name: str, recording: str, question: Quest
 
 
 def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Question, limits: Limits) -> Conformance:
-    if loaded.recording is None:
-        raise UsageError(
-            f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
-        )
-
-    network, mapping = with_location_variables(loaded.network, loaded.recording)
-    events = read_recording(Path(recording), question)
+    network, mapping = with_location_variables(loaded.network, recording_map(loaded, name))
+    events = read_recording(Path(recording), question, loaded)
     constants = constants_of(loaded)
-    for reader in capture_readers():
-        reader.check_room(events, constants)
     lateness = None if question.late is None else duration(question.late, network.time_unit)
 
     def conforms_within(allowed: Fraction | None) -> Conformance:
@@ -190,8 +184,21 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Ques
         return replace(found, left_out="whether an edit of the recording would make it a run")
 
 
-def read_recording(path: Path, question: Question) -> EventLog:
-    """A capture of packets, or a file of events; with the logs of applications. Raises UsageError, InputError."""
+def recording_map(loaded: LoadedModel, name: str) -> RecordingMap:
+    """What a model says of recordings. Raises UsageError where it says nothing."""
+    if loaded.recording is None:
+        raise UsageError(
+            f"{name} does not say how recordings are read", "write `recording { visible channel as event(); }` into it"
+        )
+    return loaded.recording
+
+
+def read_recording(path: Path, question: Question, loaded: LoadedModel) -> EventLog:
+    """A capture of packets, or a file of events; with the logs of applications. Raises UsageError, InputError.
+
+    Args:
+        loaded: the model, which has to have room for what is recorded.
+    """
     reader = capture_reader(path)
     if reader is None:
         recording = read_events(path, question.unit)
@@ -201,6 +208,8 @@ def read_recording(path: Path, question: Question) -> EventLog:
         recording = reader.read_events(path, question.ports)
     for log in question.applications:
         recording = with_log(recording, read_events(Path(log)))
+    for reader in capture_readers():
+        reader.check_room(recording, constants_of(loaded))
     return recording
 
 

@@ -93,6 +93,19 @@ def test_changed_verdicts_are_named(tmp_path: Path) -> None:
     assert "goes_off: fails becomes holds" in found.to_text()
 
 
+def test_verdicts_that_a_number_changes_are_named(tmp_path: Path) -> None:
+    model = tmp_path / "model.ta"
+    text = DIMMER.read_text(encoding="utf-8").replace("int level = 0;", "int level = 0;\nint went_off = 0;")
+    text = text.replace("assign level = 0;", "assign level = 0, went_off = 1;")
+    text += "property slow : A[] Lamp.Off && went_off == 1 imply Lamp.since >= 50;\n"
+    model.write_text(text, encoding="utf-8")
+    found = repair(model, [DIMMER.with_name("too_soon.csv")])
+    (number,) = found.repair.constants
+    assert number.is_number and number.after == 36
+    (changed,) = found.verdicts[0] or ()
+    assert (changed.name, changed.before, changed.after) == ("slow", tachk.Answer.HOLDS, tachk.Answer.FAILS)
+
+
 @pytest.mark.drawn
 @pytest.mark.parametrize("seed", seeds(range(24)))
 def test_every_change_is_one(seed: int, tmp_path: Path) -> None:
