@@ -35,7 +35,7 @@ def never_taken(network: Network) -> frozenset[tuple[int, int]]:
                 waiting.append((number, place, edge))
     for number, place, edge in waiting:
         assert edge.synchronisation is not None
-        needed = Direction.SEND if edge.synchronisation.direction is Direction.RECEIVE else Direction.RECEIVE
+        needed = edge.synchronisation.direction.opposite
         partners = set().union(*(users.get((each, needed), ()) for each in roots(edge.synchronisation.channel)))
         if partners <= {number} and not edge_can_fail(edge, known):
             off.add((number, place))

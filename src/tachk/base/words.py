@@ -11,6 +11,11 @@ class Direction(StrEnum):
     SEND = "!"
     RECEIVE = "?"
 
+    @property
+    def opposite(self) -> Direction:
+        """The direction of those with which it synchronises."""
+        return Direction.RECEIVE if self is Direction.SEND else Direction.SEND
+
 
 class QueryKind(StrEnum):
     """The kind of a query."""

@@ -120,8 +120,8 @@ def with_constants(
     Args:
         properties: the names of those that are kept, without their expectations.
         open_constants: those that are to keep their names, see `OpenConstants`; the network is for reading then, and
-            not for running, unless all of them have
-        ranges: the values that they may be given.
+            not for running, unless all of them have ranges.
+        ranges: the least and the largest value that each may be given.
 
     Raises:
         InputError: the model is wrong with these values.

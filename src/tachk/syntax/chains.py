@@ -95,3 +95,16 @@ def _is_chain(tree: ast.Expression, operator: BinaryOperator, count: int) -> boo
         and _is_chain(tree.left, operator, middle)
         and _is_chain(tree.right, operator, count - middle)
     )
+
+
+def conjuncts(condition: ast.Expression) -> list[ast.Expression]:
+    """The operands of every ``&&`` of a conjunction, in their order; the condition alone if it is none."""
+    found: list[ast.Expression] = []
+    pending = [condition]
+    while pending:
+        match pending.pop():
+            case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
+                pending += (right, left)
+            case part:
+                found.append(part)
+    return found

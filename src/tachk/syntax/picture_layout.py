@@ -7,12 +7,13 @@ anew, what it knows too much is left out. Coordinates are UPPAAL's: integers, y 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from tachk.base.records import dataclass, field
 from tachk.syntax import ast
 from tachk.syntax.edge_clauses import ClauseKind
+from tachk.syntax.walk import edges_with_sources
 
 
 class Point(NamedTuple):
@@ -152,16 +153,7 @@ def nodes_of(template: ast.Template) -> tuple[ast.LocationDeclaration | ast.Bran
 def keyed_edges(template: ast.Template) -> Iterator[tuple[EdgeKey, ast.EdgeDeclaration]]:
     """All edges of a template with their keys, whichever way the template is written."""
     seen: Counter[tuple[str, str]] = Counter()
-    for source, edge in _edges(template):
+    for source, edge in edges_with_sources(template):
         ends = source, edge.target.name
         yield EdgeKey(*ends, seen[ends]), edge
         seen[ends] += 1
-
-
-def _edges(template: ast.Template) -> Iterable[tuple[str, ast.EdgeDeclaration]]:
-    for owner in nodes_of(template):
-        for edge in owner.edges:
-            yield owner.name.name, edge
-    for edge in template.edges:
-        if edge.source is not None:
-            yield edge.source.name, edge

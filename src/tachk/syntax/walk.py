@@ -45,3 +45,15 @@ def _parts(node: ast.Node) -> tuple[str, ...]:
     if kind not in _known_parts:
         _known_parts[kind] = tuple(field.name for field in reversed(fields(node)) if field.name != "span")
     return _known_parts[kind]
+
+
+def edges_with_sources(template: ast.Template) -> Iterator[tuple[str, ast.EdgeDeclaration]]:
+    """All edges of a template, each with the name of the location or branchpoint that it leaves, whichever way the
+    template is written."""
+    owners: tuple[ast.LocationDeclaration | ast.Branchpoint, ...] = (*template.locations, *template.branchpoints)
+    for owner in owners:
+        for edge in owner.edges:
+            yield owner.name.name, edge
+    for edge in template.edges:
+        if edge.source is not None:
+            yield edge.source.name, edge

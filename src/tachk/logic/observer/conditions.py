@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from tachk.base.operators import COMPARISONS, BinaryOperator, PrefixOperator
 from tachk.base.span import Span
 from tachk.syntax import ast
-from tachk.syntax.chains import chain
+from tachk.syntax.chains import chain, conjuncts
 from tachk.syntax.printing.expression_printer import print_expression
 
 Conjunction = frozenset[ast.Expression]
@@ -63,17 +63,8 @@ def conjunction(parts: Iterable[ast.Expression]) -> Conjunction:
 
 def _conjuncts(parts: Iterable[ast.Expression]) -> set[ast.Expression]:
     """The operands of every ``&&``, ``true`` left out."""
-    found: set[ast.Expression] = set()
-    pending = list(parts)
-    while pending:
-        match pending.pop():
-            case ast.BooleanLiteral(value=True):
-                pass
-            case ast.BinaryExpression(operator=BinaryOperator.AND, left=left, right=right):
-                pending += (left, right)
-            case part:
-                found.add(part)
-    return found
+    found = {operand for part in parts for operand in conjuncts(part)}
+    return {part for part in found if not (isinstance(part, ast.BooleanLiteral) and part.value)}
 
 
 def is_false(condition: Conjunction) -> bool:

@@ -112,7 +112,7 @@ def _constant_lines(each: RepairingConstant, changed: Sequence[ChangedVerdict] |
     values = f"{each.after}" if each.after == each.far else f"{each.after} to {each.far}"
     yield (
         f"  {values} in place of {each.name}"
-        if " at " in each.name
+        if each.is_number
         else f"  {each.name} = {values} in place of {each.before}"
     )
     yield from _verdict_lines(changed)

@@ -5,14 +5,15 @@ So an ordinary certificate proves of each that it cannot be taken, and the indep
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
 from tachk.base.records import replace
 from tachk.base.span import Span
 from tachk.frontend.loaded import LoadedModel
 from tachk.syntax import ast
 from tachk.syntax.printing.printer import print_document
-from tachk.syntax.rewrite import names_in
+from tachk.syntax.rewrite import names_in, rewrite
+from tachk.syntax.walk import edges_with_sources
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.suite import CoveringSuite
 
@@ -63,21 +64,10 @@ def _noting(item: ast.Item, flags: Mapping[tuple[str, int], str]) -> ast.Item:
     """A template whose edges note that they are taken, in variables of its own."""
     if not isinstance(item, ast.Template):
         return item
-    own = {
-        _key(edge.span): flags[_key(edge.span)]
-        for edges in (item.edges, *(place.edges for place in item.locations))
-        for edge in edges
-        if _key(edge.span) in flags
-    }
-    if not own:
-        return item
-
-    def changed(edges: Sequence[ast.EdgeDeclaration]) -> tuple[ast.EdgeDeclaration, ...]:
-        return tuple(_with_note(edge, own.get(_key(edge.span))) for edge in edges)
-
-    places = tuple(replace(place, edges=changed(place.edges)) for place in item.locations)
-    declared = tuple(_declared(item.name.span, own.values()))
-    return replace(item, declarations=(*item.declarations, *declared), locations=places, edges=changed(item.edges))
+    keys = [_key(edge.span) for _, edge in edges_with_sources(item)]
+    own = [flags[key] for key in keys if key in flags]
+    noting = rewrite(item, lambda node: _with_note(node, flags) if isinstance(node, ast.EdgeDeclaration) else node)
+    return replace(noting, declarations=(*item.declarations, *_declared(item.name.span, own)))
 
 
 def _declared(span: Span, names: Iterable[str]) -> Iterator[ast.VariableDeclaration]:
@@ -87,7 +77,8 @@ def _declared(span: Span, names: Iterable[str]) -> Iterator[ast.VariableDeclarat
         yield ast.VariableDeclaration(span, type_, (ast.Declarator(span, ast.Identifier(span, name), (), initial),))
 
 
-def _with_note(edge: ast.EdgeDeclaration, flag: str | None) -> ast.EdgeDeclaration:
+def _with_note(edge: ast.EdgeDeclaration, flags: Mapping[tuple[str, int], str]) -> ast.EdgeDeclaration:
+    flag = flags.get(_key(edge.span))
     if flag is None:
         return edge
     target = ast.NameExpression(edge.span, flag)

@@ -12,9 +12,9 @@ from tachk.base.diagnostics.diagnostic import Diagnostic, InputError
 from tachk.base.job import check_job
 from tachk.base.records import dataclass, replace
 from tachk.frontend.context import Budget, Context
-from tachk.frontend.elaborate import Elaborated, elaborate, elaborate_each_property
+from tachk.frontend.elaborate import Elaborated, elaborate
 from tachk.frontend.findings import DiagnosticCollector
-from tachk.frontend.loaded import INSTANCES, LoadedModel
+from tachk.frontend.loaded import INSTANCES, LoadedModel, with_constants
 from tachk.model.network import Edge, Network
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.location_columns import with_location_variables
@@ -107,20 +107,6 @@ def _extended(template: ast.Template, proposed: Sequence[ProposedEdge]) -> ast.T
 
 
 def with_edge(loaded: LoadedModel, proposal: ProposedEdge) -> LoadedModel:
-    """The model with an edge more. Raises InputError."""
-    findings = DiagnosticCollector()
-    context = Context(findings, budget=Budget(INSTANCES))
-    items = with_proposals(loaded.items, listed([proposal]))
-    result = elaborate_each_property(items, loaded.document.span, loaded.overrides, context)
-    if findings.has_errors:
-        raise InputError(findings.sorted())
-    return replace(
-        loaded,
-        _elaborated=result.network,
-        queries=result.queries,
-        unchecked=result.unchecked,
-        items=tuple(items),
-        scope=result.scope,
-        context=context,
-        recording=result.recording,
-    )
+    """The model with an edge more, its properties without their expectations. Raises InputError."""
+    items = tuple(with_proposals(loaded.items, listed([proposal])))
+    return with_constants(replace(loaded, items=items), {}, [query.name for query in loaded.queries])

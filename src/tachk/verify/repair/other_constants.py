@@ -13,8 +13,6 @@ from functools import cache
 from tachk.base.diagnostics.diagnostic import InputError, UnsupportedError, UsageError
 from tachk.base.records import dataclass, replace
 from tachk.frontend.loaded import LoadedModel, with_constants
-from tachk.model.builder import Term
-from tachk.model.expressions import Reference
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.model.types import BoolType
@@ -33,11 +31,16 @@ _FACTOR = 4
 """Values are tried up to so many times the value at hand; of 0 up to its square."""
 
 
+_AT = " at "
+"""Stands in the names of numbers, between their values and their places."""
+
+
 @dataclass(frozen=True, slots=True)
 class RepairingConstant:
     """A constant with another value, with which all recordings are runs.
 
     Attributes:
+        name: of the constant; of a number its value and its place.
         before, after: its values; `after` is the nearest one that was found.
         far: the one farthest from it that was found, with all between them that were tried.
     """
@@ -46,6 +49,11 @@ class RepairingConstant:
     before: int
     after: int
     far: int
+
+    @property
+    def is_number(self) -> bool:
+        """True if it is a number in the text of the model."""
+        return _AT in self.name
 
     @property
     def change(self) -> float:
@@ -69,34 +77,31 @@ class OpenedModel:
 
 
 def with_named_numbers(loaded: LoadedModel) -> LoadedModel:
-    """The model with a constant in place of each number in a guard or an invariant, named by its place."""
+    """The model with a constant in place of each number in a guard or an invariant, named by its value and place.
+
+    It has no properties; `with_constants` takes them up again.
+    """
     found: dict[str, ast.IntegerLiteral] = {}
 
-    def change(node: object) -> object:
+    def named(node: object) -> object:
         if not isinstance(node, ast.IntegerLiteral):
             return node
-        name = f"{node.value} at {node.span}"
+        name = f"{node.value}{_AT}{node.span}"
         found[name] = node
         return ast.NameExpression(node.span, name)
 
-    def changed(edges: Sequence[ast.EdgeDeclaration]) -> tuple[ast.EdgeDeclaration, ...]:
-        return tuple(replace(edge, guard=rewrite(edge.guard, change)) if edge.guard else edge for edge in edges)
+    def change(node: object) -> object:
+        match node:
+            case ast.EdgeDeclaration(guard=guard) if guard is not None:
+                return replace(node, guard=rewrite(guard, named))
+            case ast.LocationDeclaration(invariant=invariant) if invariant is not None:
+                return replace(node, invariant=rewrite(invariant, named))
+            case _:
+                return node
 
-    items: list[ast.Item] = []
-    for item in loaded.items:
-        if isinstance(item, ast.Template):
-            places = tuple(
-                replace(
-                    place,
-                    invariant=None if place.invariant is None else rewrite(place.invariant, change),
-                    edges=changed(place.edges),
-                )
-                for place in item.locations
-            )
-            item = replace(item, locations=places, edges=changed(item.edges))
-        items.append(item)
-    named = [_constant(name, literal) for name, literal in found.items()]
-    return with_constants(replace(loaded, items=(*named, *items)), {}, ())
+    items = rewrite(loaded.items, change)
+    constants = [_constant(name, literal) for name, literal in found.items()]
+    return with_constants(replace(loaded, items=(*constants, *items)), {}, ())
 
 
 def _constant(name: str, literal: ast.IntegerLiteral) -> ast.VariableDeclaration:
@@ -121,9 +126,7 @@ def opened_model(loaded: LoadedModel, templates: frozenset[str]) -> OpenedModel:
     network, mapping = with_location_variables(opened.network, opened.recording)
     variables = opened.context.open_constants.variables
     pairs = tuple((name, value) for name, values in tried.items() for value in values)
-    choices = (
-        ChosenValue(number, Term(Reference(variables[name])), value, True) for number, (name, value) in enumerate(pairs)
-    )
+    choices = (ChosenValue(number, variables[name], value, True) for number, (name, value) in enumerate(pairs))
     return OpenedModel(network, mapping, pairs, tuple(choices))
 
 

@@ -12,11 +12,11 @@ from tachk.base.operators import BinaryOperator
 from tachk.base.records import dataclass, replace
 from tachk.base.span import Source, Span
 from tachk.syntax import ast
-from tachk.syntax.chains import chain
+from tachk.syntax.chains import chain, conjuncts
 from tachk.syntax.edge_clauses import edge_clauses
 from tachk.syntax.printing.expression_printer import print_clause
 from tachk.syntax.rewrite import names_in, rewrite
-from tachk.verify.repair.vocabulary import INTERNAL, EdgeLabel, PlacedEdge, Vocabulary, conjuncts, label_of
+from tachk.verify.repair.vocabulary import INTERNAL, EdgeLabel, PlacedEdge, Vocabulary, label_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +24,6 @@ class ProposedEdge:
     """An edge that a template may lack.
 
     Attributes:
-        kind: the name of the kind of proposal, of `KINDS`.
-        rank: of the kind; small ones are tried first.
         preference: of its guard: one that completes those of the siblings, one that others have, a part of one, none.
         relaxes: the edge whose guard it relaxes; None: it is a further edge.
     """
@@ -33,8 +31,6 @@ class ProposedEdge:
     template: str
     source: str
     edge: ast.EdgeDeclaration
-    kind: str
-    rank: int
     preference: int
     relaxes: ast.EdgeDeclaration | None = None
 
@@ -64,6 +60,8 @@ class ProposalKind:
     """A way to make edges of a vocabulary.
 
     Attributes:
+        name: as docs/repair.md lists it.
+        rank: small ones are tried first.
         edges: of a vocabulary.
     """
 
@@ -184,7 +182,7 @@ def proposals(words: Vocabulary, rank: int, sources: Collection[str]) -> Iterato
             key = source, edge_text(edge)
             if key not in known and _is_closed(edge):
                 known.add(key)
-                yield ProposedEdge(words.template.name.name, source, edge, kind.name, kind.rank, preference, relaxes)
+                yield ProposedEdge(words.template.name.name, source, edge, preference, relaxes)
 
 
 def _is_closed(edge: ast.EdgeDeclaration) -> bool:

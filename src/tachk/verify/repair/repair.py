@@ -7,28 +7,26 @@ fewer of the changed recordings are runs with it. Then each is held against all 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
 
-from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.job import StoppedError
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
-from tachk.model.expressions import Reference, Variable
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
-from tachk.recordings.conformance.components import restricted
+from tachk.recordings.conformance.components import IndependentComponent
 from tachk.recordings.conformance.conform import Conformance, Reached, conform, events_along
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
-from tachk.recordings.conformance.event_streams import Constants, make_streams
+from tachk.recordings.conformance.event_streams import Constants, EventStreams
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.nearest_log import NearestLogSearch
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 from tachk.syntax import ast
-from tachk.verify.repair.chosen_search import ChosenValue, accepting_choices
+from tachk.verify.repair.chosen_search import accepting_choices
 from tachk.verify.repair.extended_model import ExtendedModel, extended_model
 from tachk.verify.repair.other_constants import RepairingConstant, nearest_values, opened_model, with_named_numbers
 from tachk.verify.repair.proposals import KINDS, ProposedEdge, proposals
@@ -39,7 +37,7 @@ _PROPOSALS = 3
 """So many edges are looked for."""
 _TRIED = 60
 """So many edges of a rank are held against whole recordings at most."""
-_NEAR = ((15, range(5, 10)), (60, range(40, 160)))
+_FEW, _MORE = (15, range(5, 10)), (60, range(40, 160))
 """So many events before and behind the place are near: all edges are tried on few, the likely ones on more."""
 _STEPS = 40
 """In so many steps before the place a process may have been where it lacks an edge."""
@@ -132,12 +130,11 @@ def repair(
     """The changes with each of which all recordings are runs of a model.
 
     Args:
+        loaded: says how recordings are read.
         limits: of each search; the seconds are those of the job.
 
     Raises UsageError for recordings that do not fit the model.
     """
-    if loaded.recording is None:
-        raise UsageError("the model does not say how recordings are read")
     wanted = RecordingSet(tuple(recordings), constants_of(loaded), tolerance, late, limits)
     plain = extended_model(loaded, ())
     rejected = [
@@ -187,26 +184,12 @@ def _likely_values(
     near = NearestLogSearch(
         model.network, model.mapping, wanted.recordings[focus], wanted.constants, found, wanted.limits
     )
-    streams = make_streams(near.network, near.mapping, near.recording, wanted.constants, *near.exact)
-    likely = set(range(len(model.choices)))
-    for start, known in zip(near.starts, near.known, strict=True):
-        if likely and not near.part(start, known, streams):
-            component = start.reached.component
-            product = trace_product(near.network, near.mapping, restricted(streams, component), component.processes)
-            choices = [choice for choice in model.choices if choice.number in likely]
-            mentioned = set(product.network.variables)
-            known_here = [choice for choice in choices if _variable(choice) in mentioned]
-            likely = accepting_choices(known_here, _always(product), start, wanted.limits)
+
+    def product_of(streams: EventStreams, component: IndependentComponent, numbers: frozenset[int]) -> TraceProduct:
+        return trace_product(near.network, near.mapping, streams, component.processes)
+
+    likely = accepting_choices(near, near.recording, model.choices, product_of)
     return [model.values[number] for number in sorted(likely)]
-
-
-def _always(product: TraceProduct) -> Callable[[frozenset[int]], TraceProduct]:
-    return lambda numbers: product
-
-
-def _variable(choice: ChosenValue) -> Variable:
-    assert isinstance(choice.variable.expression, Reference)
-    return choice.variable.expression.variable
 
 
 def _visited(model: ExtendedModel, found: Conformance) -> dict[str, frozenset[str]]:
@@ -277,12 +260,12 @@ class _EdgeSearch:
         if found.refusal is None:
             return
         self.tried += len(model.proposed)
-        likely = set(range(len(model.proposed)))
-        for before, behind in _NEAR:
-            screening = EdgeScreening(
-                model, recording, self.wanted.constants, found, self.wanted.limits, before, behind
-            )
-            likely = screening.accepting(likely) or (set() if before == _NEAR[-1][0] else likely)
+        narrow, screening = (
+            EdgeScreening(model, recording, self.wanted.constants, found, self.wanted.limits, before, behind)
+            for before, behind in (_FEW, _MORE)
+        )
+        every = range(len(model.proposed))
+        likely = screening.accepting(narrow.accepting(every) or every)
         allowed = self._also_allowed(screening, likely, found)
         for number in sorted(likely, key=lambda n: (allowed[n], model.proposed[n].preference, n))[:_TRIED]:
             if self.wanted.accepted(model.with_one(number), model.mapping, self.order):

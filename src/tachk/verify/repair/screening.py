@@ -10,7 +10,6 @@ That the events near the place are a run with an edge does not say that the whol
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 
 from tachk.base.records import replace
 from tachk.base.words import Direction
@@ -19,11 +18,11 @@ from tachk.model.builder import NetworkBuilder, Term
 from tachk.model.expressions import VariableKind
 from tachk.model.network import Edge
 from tachk.model.types import ChannelType
-from tachk.recordings.conformance.components import restricted
+from tachk.recordings.conformance.components import IndependentComponent
 from tachk.recordings.conformance.conform import Conformance
-from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
+from tachk.recordings.conformance.event_streams import Constants, EventStreams
 from tachk.recordings.conformance.events import EventLog
-from tachk.recordings.conformance.nearest_log import NearestLogSearch, Start
+from tachk.recordings.conformance.nearest_log import NearestLogSearch
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 from tachk.verify.repair.chosen_search import ChosenValue, accepting_choices
 from tachk.verify.repair.extended_model import ExtendedModel
@@ -50,14 +49,12 @@ class EdgeScreening:
         behind: range,
     ) -> None:
         self.model = model
-        self.constants = constants
-        self.limits = limits
         self.near = NearestLogSearch(
             model.without_any, model.mapping, recording, constants, found, limits, before, behind
         )
         builder = NetworkBuilder("repair.", VariableKind.GLOBAL)
         self._edit = builder.integer("edge", 0, len(model.proposed))
-        self._own = builder.variables
+        (self._variable,) = builder.variables
         self._felt = {
             number
             for process in model.network.processes
@@ -72,20 +69,12 @@ class EdgeScreening:
             recording: other events in place of these.
         """
         recording = self.near.recording if recording is None else recording
-        streams = make_streams(self.near.network, self.model.mapping, recording, self.constants, *self.near.exact)
-        found = set(wanted)
-        for start, known in zip(self.near.starts, self.near.known, strict=True):
-            if not found or self.near.part(start, known, streams):
-                continue
-            product_of = partial(self._product, restricted(streams, start.reached.component), start)
-            choices = [ChosenValue(number, self._edit, number + 1, number in self._felt) for number in sorted(found)]
-            found = accepting_choices(choices, product_of, start, self.limits, self.model.number_of)
-        return found
+        choices = [ChosenValue(number, self._variable, number + 1, number in self._felt) for number in sorted(wanted)]
+        return accepting_choices(self.near, recording, choices, self._product, self.model.number_of)
 
-    def _product(self, streams: EventStreams, start: Start, numbers: frozenset[int]) -> TraceProduct:
+    def _product(self, streams: EventStreams, component: IndependentComponent, numbers: frozenset[int]) -> TraceProduct:
         """The network that follows the events of a part of the model, with some of the edges."""
         network = self.model.with_edges(self.model.network, lambda each: each is None or each in numbers)
-        component = start.reached.component
         return self._with_choice(trace_product(network, self.model.mapping, streams, component.processes))
 
     def _with_choice(self, product: TraceProduct) -> TraceProduct:
@@ -94,7 +83,7 @@ class EdgeScreening:
             replace(process, edges=tuple(self._choosing(edge) for edge in process.edges))
             for process in product.network.processes
         )
-        network = replace(product.network, processes=processes, variables=(*product.network.variables, *self._own))
+        network = replace(product.network, processes=processes, variables=(*product.network.variables, self._variable))
         return replace(product, network=network)
 
     def _choosing(self, edge: Edge) -> Edge:

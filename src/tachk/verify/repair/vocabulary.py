@@ -14,12 +14,10 @@ from tachk.base.records import dataclass, replace
 from tachk.base.words import Direction
 from tachk.logic.observer.conditions import negated
 from tachk.syntax import ast
-from tachk.syntax.chains import chain, operands_of
+from tachk.syntax.chains import chain, conjuncts
 from tachk.syntax.printing.expression_printer import print_expressions, print_synchronisation
-from tachk.syntax.rewrite import names_in, rewrite
-from tachk.syntax.walk import nodes_of_kind
-
-_OPPOSITE = {Direction.SEND: Direction.RECEIVE, Direction.RECEIVE: Direction.SEND}
+from tachk.syntax.rewrite import names_in, substitute
+from tachk.syntax.walk import edges_with_sources, nodes_of_kind
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +104,6 @@ def _complement(siblings: Sequence[ast.EdgeDeclaration], label: EdgeLabel) -> It
     yield from dict.fromkeys([*map(negated, common), whole])
 
 
-def conjuncts(condition: ast.Expression) -> list[ast.Expression]:
-    """The operands of a conjunction, or the condition alone."""
-    if isinstance(condition, ast.BinaryExpression) and condition.operator is BinaryOperator.AND:
-        return [part for operand in operands_of(condition) for part in conjuncts(operand)]
-    return [condition]
-
-
 def label_of(edge: ast.EdgeDeclaration) -> EdgeLabel:
     return _label(edge.selects, edge.synchronisation)
 
@@ -124,11 +115,9 @@ def _label(selects: tuple[ast.SelectBinding, ...], label: ast.SynchronisationLab
 def placed_edges(template: ast.Template) -> Iterator[PlacedEdge]:
     """The edges of a template between two locations."""
     places = {location.name.name for location in template.locations}
-    for edge in template.edges:
-        if edge.source is not None:
-            yield from [PlacedEdge(edge.source.name, edge)] if {edge.source.name, edge.target.name} <= places else []
-    for location in template.locations:
-        yield from (PlacedEdge(location.name.name, edge) for edge in location.edges if edge.target.name in places)
+    for source, edge in edges_with_sources(template):
+        if {source, edge.target.name} <= places:
+            yield PlacedEdge(source, edge)
 
 
 def vocabulary(template: ast.Template, items: Sequence[ast.Item]) -> Vocabulary:
@@ -219,8 +208,9 @@ def _unanswered(template: ast.Template, items: Sequence[ast.Item], channels: fro
     """What the template could say on those global channels on which only one side acts, with its own parameters as
     indices. What the recording replaces is such a side, for the channels that are recorded."""
     acting: dict[str, set[Direction | None]] = {}
+    modelled: set[str] = set()
     edges: list[tuple[ast.Template, ast.EdgeDeclaration]] = []
-    replaced = _replaced(items)
+    replaced = {name.name for clause in nodes_of_kind(list(items), ast.ReplacesClause) for name in clause.names}
     for other in (item for item in items if isinstance(item, ast.Template)):
         local = _local_names(other)
         for placed in placed_edges(other):
@@ -228,24 +218,14 @@ def _unanswered(template: ast.Template, items: Sequence[ast.Item], channels: fro
             base = _indexed(label.channel)[0] if label is not None else None
             if label is not None and base is not None and base.name in channels and base.name not in local:
                 acting.setdefault(base.name, set()).add(label.direction)
+                modelled |= set() if other.name.name in replaced else {base.name}
                 edges.append((other, placed.edge))
     recorded = names_in([clause.channel for clause in nodes_of_kind(list(items), ast.VisibleClause)])
-    beside = {
-        base.name
-        for other, edge in edges
-        if other.name.name not in replaced and edge.synchronisation is not None
-        and (base := _indexed(edge.synchronisation.channel)[0]) is not None
-    }  # fmt: skip
     elsewhere = names_in([item for item in items if isinstance(item, ast.RecordingDeclaration | ast.Instantiation)])
     lonely = {name for name, sides in acting.items() if len(sides) == 1 and name not in elsewhere}
-    lonely |= recorded.keys() - beside
+    lonely |= recorded.keys() - modelled
     for other, edge in edges:
         yield from _answering(template, other, edge, frozenset(lonely))
-
-
-def _replaced(items: Sequence[ast.Item]) -> frozenset[str]:
-    """The names of the templates and processes in whose place recordings are."""
-    return frozenset(name.name for clause in nodes_of_kind(list(items), ast.ReplacesClause) for name in clause.names)
 
 
 def _other_elements(template: ast.Template, items: Sequence[ast.Item]) -> Iterator[EdgeLabel]:
@@ -308,7 +288,7 @@ def _answering(
         channel: ast.Expression = base
         for index in chosen:
             channel = ast.IndexExpression(label.span, channel, index)
-        yield _label((), ast.SynchronisationLabel(label.span, channel, _OPPOSITE[label.direction]))
+        yield _label((), ast.SynchronisationLabel(label.span, channel, label.direction.opposite))
 
 
 def _own_indices(
@@ -322,20 +302,11 @@ def _own_indices(
     for name in local:
         for parameter in template.parameters:
             if _same_type(parameter.type.base, types[name]):
-                yield _renamed(index, name, parameter.name.name)
+                yield substitute(index, {name: ast.NameExpression(index.span, parameter.name.name)})
 
 
 def _same_type(one: object, other: object) -> bool:
     return isinstance(one, ast.NamedType) and isinstance(other, ast.NamedType) and one.name == other.name
-
-
-def _renamed(expression: ast.Expression, before: str, after: str) -> ast.Expression:
-    def change(node: object) -> object:
-        if isinstance(node, ast.NameExpression) and node.name == before:
-            return ast.NameExpression(node.span, after)
-        return node
-
-    return rewrite(expression, change)
 
 
 def _indexed(channel: ast.Expression) -> tuple[ast.NameExpression | None, list[ast.Expression]]:
