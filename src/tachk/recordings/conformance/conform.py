@@ -42,7 +42,7 @@ from tachk.recordings.conformance.edits import Edit
 from tachk.recordings.conformance.event_streams import Constants, EventStreams, make_streams
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.rejection import PossibleEvent, enabled_events, end_of, state_text
-from tachk.recordings.conformance.segments import LONG, LongRun, follow
+from tachk.recordings.conformance.segments import LONG, LongRun, SegmentSearch
 from tachk.recordings.conformance.trace_product import TraceProduct, trace_product
 
 LONGEST_BY_REFERENCE = 100
@@ -217,7 +217,8 @@ def conform(
     late = mapping.late if late is None else late
     late = tolerance if late is None else late
     if len(recording.events) > LONG:
-        followed = follow(network, mapping, recording, constants, (tolerance, late), options, limits, divide)
+        exact = tolerance, late
+        followed = SegmentSearch(network, mapping, recording, constants, exact, options, limits, divide).followed()
         if followed is not None:
             long, statistics, runs = followed.streams, followed.statistics, followed.runs
             return Conformance(True, tolerance, late, network.time_unit, recording, long, statistics, runs)

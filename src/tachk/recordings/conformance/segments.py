@@ -127,29 +127,16 @@ class _Checkpoint:
     reached: tuple[_SegmentEnd, ...]
 
 
-def follow(
-    network: Network,
-    mapping: RecordingMap,
-    recording: EventLog,
-    constants: Constants,
-    exact: tuple[Fraction, Fraction],
-    options: Options,
-    limits: Limits,
-    divide: bool,
-) -> Followed | None:
-    """A run along a recording, if one is found so. It may have one if not.
+class SegmentSearch:
+    """The search for a run along a recording, segment by segment.
 
     Args:
         exact: the tolerance and the lateness.
         divide: follow parts that share nothing one by one.
 
-    Raises UsageError for a recording that does not fit the model, StoppedError.
+    Raises UsageError for a recording that does not fit the model.
     """
-    search = _SegmentSearch(network, mapping, recording, constants, exact, options, limits, divide)
-    return search.followed()
 
-
-class _SegmentSearch:
     def __init__(
         self,
         network: Network,
@@ -176,6 +163,7 @@ class _SegmentSearch:
         self.statistics: Statistics | None = None
 
     def followed(self) -> Followed | None:
+        """A run, if one is found so. There may be one if not. Raises StoppedError."""
         start = tuple(_SegmentEnd((-1,) * len(component.streams)) for component in self.components)
         behind_us = deque([_Checkpoint(0, 0, start)], maxlen=_BACK)
         size, again = SEGMENT, 0
