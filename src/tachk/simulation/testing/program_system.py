@@ -152,13 +152,28 @@ def _stolen() -> int:
         return 0
 
 
-class RealTimeProgram(RealTimeSystem):
-    """A program that runs by the clock of the wall. Its first line is ``{"event": "ready"}``: the model starts then."""
+class StartedProgram(RealTimeSystem):
+    """What systems have in common that are a program which the test starts, and which runs by the clock of the wall."""
+
+    def __init__(self, program: StreamedProgram, nanoseconds: Fraction) -> None:
+        """Args: nanoseconds: of a unit of the model."""
+        super().__init__(nanoseconds)
+        self.program = program
+
+    def check(self) -> None:
+        if self.arrivals.is_over or self.program.is_over(self.arrivals):
+            raise self.program.ended()
+
+    def waited(self) -> Fraction:
+        return self.duration(self.program.waited())
+
+
+class RealTimeProgram(StartedProgram):
+    """A program that speaks in lines of JSON. Its first line is ``{"event": "ready"}``: the model starts then."""
 
     def __init__(self, command: Sequence[str], nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        super().__init__(nanoseconds)
-        self.program = StreamedProgram(command)
+        super().__init__(StreamedProgram(command), nanoseconds)
 
     def start(self) -> None:
         self.program.spawn()
@@ -175,13 +190,6 @@ class RealTimeProgram(RealTimeSystem):
 
     def outputs(self, arrival: Arrival) -> Iterator[SeenOutput]:
         yield line_output(arrival.octets, self.units(arrival.moment))
-
-    def check(self) -> None:
-        if self.arrivals.is_over or self.program.is_over(self.arrivals):
-            raise self.program.ended()
-
-    def waited(self) -> Fraction:
-        return self.duration(self.program.waited())
 
     def close(self) -> None:
         self.program.end(_SECONDS_TO_END)

@@ -187,6 +187,7 @@ def _is_test_to_blame(model: TestedModel, run: TestRun, found: Conformance) -> b
         settings.tolerance,
         settings.late,
         limits=settings.limits,
+        run=False,
         explain=False,
     )
     return seen.accepted is True

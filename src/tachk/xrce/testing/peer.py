@@ -15,8 +15,7 @@ from typing import Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Cell
-from tachk.simulation.testing.program_system import StreamedProgram, command_of
-from tachk.simulation.testing.real_time import RealTimeSystem
+from tachk.simulation.testing.program_system import StartedProgram, StreamedProgram, command_of
 from tachk.simulation.testing.system_adapter import SeenOutput
 from tachk.xrce.bridge.packets import KINDS, ProtocolWord, Translator, submessages_of
 from tachk.xrce.testing.packet_socket import PacketSocket
@@ -32,21 +31,13 @@ SECONDS_TO_END: Final = 0.1
 _SECONDS_TO_BEGIN: Final = 30
 
 
-class ProgramBySocket(RealTimeSystem):
+class ProgramBySocket(StartedProgram):
     """What a real client and a real Agent have in common: a program, and the socket by which the test speaks to it."""
 
     def __init__(self, program: StreamedProgram, socket: PacketSocket, nanoseconds: Fraction) -> None:
         """Args: nanoseconds: of a unit of the model."""
-        super().__init__(nanoseconds)
-        self.program = program
+        super().__init__(program, nanoseconds)
         self.socket = socket
-
-    def check(self) -> None:
-        if self.arrivals.is_over or self.program.is_over(self.arrivals):
-            raise self.program.ended()
-
-    def waited(self) -> Fraction:
-        return self.duration(self.program.waited())
 
     def close(self) -> None:
         self.program.end(SECONDS_TO_END)
