@@ -18,28 +18,13 @@ from tachk.engine.outcome import INTERRUPTED
 from tachk.engine.portfolio import SearchProblem
 from tachk.engine.program_image import encode
 from tachk.verify.verdict import Answer, Verdict
+from tests.support.counters import COUNTERS, NEVER, REACHED
 from tests.support.reductions.verdict_agreement import BY_DEFAULT, compare_verdicts, random_questions
 from tests.support.seeds import seeds
 from tests.support.strategies import with_search_budgets
 
-# Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
-COUNTERS = """
-const int N = 7;
-typedef int[1, N] id_t;
-int[0, 7] count[N + 1];
-process P(const id_t me) {
-    init location going {
-        to going { guard count[me] < 7; assign count[me] = count[me] + 1; }
-        to done { guard count[me] == 7; }
-    }
-    location done { }
-}
-system P;
-"""
 STORED = 5_000
 """So much work is done before the first of the other attempts."""
-REACHED = "E<> forall (i : id_t) count[i] == 7"
-NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
 ALL_STATES = Options().off("unblocked", "sliced", "symmetry", "local-times", "simulated", "best-first")
 
 

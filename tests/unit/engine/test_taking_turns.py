@@ -17,29 +17,13 @@ from tachk.engine.options import Limits, Options
 from tachk.engine.outcome import INTERRUPTED
 from tachk.verify.verdict import Answer, Verdict
 from tachk.verify.verify import verify
+from tests.support.counters import COUNTERS, NEVER, REACHED
 from tests.support.reductions.verdict_agreement import random_questions
 from tests.support.seeds import seeds
 from tests.support.strategies import with_search_budgets
 
 ONE = Options().off("unblocked", "sliced", "symmetry", "local-times", "first-runs")
 TWO = Options(processes=2, without=ONE.without)
-
-# Seven processes that count for themselves: 8**7 states and more, of which each run to the last one passes 50.
-COUNTERS = """
-const int N = 7;
-typedef int[1, N] id_t;
-int[0, 7] count[N + 1];
-process P(const id_t me) {
-    init location going {
-        to going { guard count[me] < 7; assign count[me] = count[me] + 1; }
-        to done { guard count[me] == 7; }
-    }
-    location done { }
-}
-system P;
-"""
-REACHED = "E<> forall (i : id_t) count[i] == 7"
-NEVER = "E<> forall (i : id_t) P(i).done && count[i] < 7"
 
 
 @pytest.fixture(autouse=True)
