@@ -18,7 +18,7 @@ from tachk.xrce.submessages import NOTHING, Submessages, parsed
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
 _DIGEST: Final = 16
-"""Bytes that stand for those of a message."""
+"""A digest of a message has so many bytes."""
 
 _LONGEST_RELAY: Final = 5_000_000_000
 """Nanoseconds from a CREATE_CLIENT to its copy behind a relay."""
