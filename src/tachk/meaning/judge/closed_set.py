@@ -102,7 +102,9 @@ class ClosedSet:
                 for rows, _ in states.truth(np.flatnonzero(~states.marked), self.begins, dead, widely=True):
                     self.mirrored[rows] = states.numbers(np.insert(states.states[rows, :-1], states.width, 1, axis=1))
         reached = states.settle()
-        states.explore(reached if self.asks_deadlock else reached[:0])
+        # Whether time may pass in a state that exchanges lead into the set depends on the moves there.
+        exchanged = bool(self.groups) and any(type_.urgent for type_, _ in self.model.channels)
+        states.explore(reached if self.asks_deadlock or exchanged else reached[:0])
         states.settle()
         self.invalid = np.isin(np.arange(len(states.states)), states.invalid)
         self.bounds = np.array([zone_arrays.bounds_of(each, self.model.dimension) for each in states.invariants])

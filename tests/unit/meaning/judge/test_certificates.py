@@ -276,6 +276,30 @@ def test_a_run_may_pass_the_goal_by() -> None:
     assert found is not None and found.reason == "a successor is not in the set"
 
 
+HURRIED = """
+urgent chan u;
+process T(const int[0, 2] me) {
+    clock x;
+    init location a { to b { sync u?; } }
+    location b { to c { guard x == 2; } }
+    location c { }
+}
+process S() { init location idle { to idle { sync u!; } } }
+A = T(0); B = T(1); C = T(2); s = S();
+system A, B, C, s;
+property unhurried : E<> (A.c || B.c || C.c) && (A.a || B.a || C.a);
+"""
+
+
+def test_time_stands_still_in_states_that_exchanges_lead_into_the_set() -> None:
+    """The set has one of the states in which one process has moved; an urgent channel stops time in each of them."""
+    loaded = tachk.loads(HURRIED)
+    query = loaded.properties[0]
+    proof = proved(loaded.network, query)
+    assert proof.header.groups
+    assert judged(loaded.network, query, written(proof)) is None
+
+
 def fischer(**constants: int) -> tuple[Network, Query]:
     loaded = tachk.load(MODELS / "classics" / "fischer.ta", **{"N": 2, **constants})
     return loaded.network, loaded.properties[0]
