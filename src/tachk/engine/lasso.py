@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from tachk.base.records import replace
 from tachk.engine.exact.concretise import at_end, conditions, discrete_run, of_phase, reached, timed_trace
-from tachk.engine.exact.schedule import PhaseConstraint, Requirement, any_solution, earliest
+from tachk.engine.exact.schedule import PhaseConstraint, ScheduleRequirement, any_solution, earliest
 from tachk.engine.outcome import AvoidingRun, Obligation, RunEnd
 from tachk.engine.periodic import repeating
 from tachk.meaning import avoidance, dbm, symbolic
@@ -79,7 +79,7 @@ class _UnrolledRun:
             met = self.where(obligation.trigger, due - 1)
             self.requirements.append(at_end(due - 1, conditions(met)))
 
-    def _of(self, phase: int) -> Iterator[Requirement]:
+    def _of(self, phase: int) -> Iterator[ScheduleRequirement]:
         transition = self.path[phase] if phase < len(self.path) else None
         return of_phase(self.model, self.states[phase], phase, transition)
 
@@ -103,20 +103,17 @@ class _UnrolledRun:
         zone = reached(self.model, self.states[: phase + 1], self.phases, self.path[:phase])
         return replace(here, invariant=dbm.intersect(here.invariant, zone) or here.invariant)
 
-    def avoiding(self, phase: int) -> Iterator[Requirement]:
+    def avoiding(self, phase: int) -> Iterator[ScheduleRequirement]:
         """The goal is not met in a phase, from its beginning to its end."""
         for zone in self.where(self.goal, phase):
             yield _never_in(phase, zone)
 
 
-def _never_in(phase: int, zone: Zone) -> Requirement:
+def _never_in(phase: int, zone: Zone) -> ScheduleRequirement:
     """The clocks are at no moment of a phase in a zone: some upper bound or difference is false at its beginning, or
     some lower bound at its end. The differences of a canonical zone say when its bounds are never true at once."""
-    return [
-        (PhaseConstraint(phase, c[0] == 0, complement(c)),)
-        for c in zone.constraints()
-        if c != (0, c[1], LESS_EQUAL_ZERO)
-    ]
+    constraints = (c for c in zone.constraints() if c != (0, c[1], LESS_EQUAL_ZERO))
+    return ScheduleRequirement(phase, [(PhaseConstraint(c[0] == 0, complement(c)),) for c in constraints])
 
 
 def _ending(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation) -> TimedTrace | None:
@@ -161,7 +158,7 @@ def _recurrent(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation)
     again = avoidance.recurring(model, unrolled.states[start:-1], run.loop, obligation.goal)
     requirements = [*unrolled.requirements, _no_delay(model, len(unrolled.path))]
     requirements += [
-        [tuple(PhaseConstraint(phase, False, c) for c in zone.constraints()) for zone in again]
+        ScheduleRequirement(phase, [tuple(PhaseConstraint(False, c) for c in zone.constraints()) for zone in again])
         for phase in (start, len(unrolled.path))
     ]
     durations = earliest(unrolled.phases, requirements)
@@ -171,5 +168,5 @@ def _recurrent(model: PreparedNetwork, run: AvoidingRun, obligation: Obligation)
     return replace(trace, ending=Ending.RECURRENT, loop_start=len(trace.steps) - len(run.loop))
 
 
-def _no_delay(model: PreparedNetwork, phase: int) -> Requirement:
-    return [(PhaseConstraint(phase, True, (model.dimension, 0, LESS_EQUAL_ZERO)),)]
+def _no_delay(model: PreparedNetwork, phase: int) -> ScheduleRequirement:
+    return at_end(phase, [((model.dimension, 0, LESS_EQUAL_ZERO),)])

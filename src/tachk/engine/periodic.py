@@ -12,8 +12,7 @@ from importlib.util import find_spec
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from tachk.engine.exact.schedule import PhaseConstraint, Requirement, SchedulePhase, standstills
-from tachk.meaning.dbm import INFINITY, bound_value, is_strict
+from tachk.engine.exact.schedule import SchedulePhase, ScheduleRequirement, formula_of, standstills
 from tachk.meaning.repetition import ObservableClocks
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ MILLISECONDS = 2000
 
 def repeating(
     phases: Sequence[SchedulePhase],
-    requirements: Sequence[Requirement],
+    requirements: Sequence[ScheduleRequirement],
     start: int,
     observable_clocks: ObservableClocks,
     takes_time: bool,
@@ -46,7 +45,7 @@ def repeating(
 
 def _solve(
     phases: Sequence[SchedulePhase],
-    requirements: Sequence[Requirement],
+    requirements: Sequence[ScheduleRequirement],
     start: int,
     observable_clocks: ObservableClocks,
     takes_time: bool,
@@ -70,16 +69,7 @@ def _solve(
             passed -= moments[k + 1] - moments[k]
         return passed + start_value * unit
 
-    def formula(moment: PhaseConstraint) -> z3.BoolRef:
-        i, j, raw = moment.constraint
-        if raw >= INFINITY:
-            return z3.BoolVal(True)
-        difference = value(i, moment.phase, moment.at_end) - value(j, moment.phase, moment.at_end)
-        bound = bound_value(raw) * unit
-        return difference < bound if is_strict(raw) else difference <= bound
-
-    for requirement in requirements:
-        solver.add(z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in requirement]))
+    solver.add(*(formula_of(requirement, value, unit) for requirement in requirements))
     last = len(phases) - 1
     if takes_time:
         solver.add(moments[last] - moments[start] >= unit)

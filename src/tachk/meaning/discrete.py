@@ -204,15 +204,16 @@ def channel_named(model: PreparedNetwork, participant: Participant, scratch: Env
 def enabled_receivers(
     model: PreparedNetwork, discrete: DiscreteState, sender: Participant, channel: int
 ) -> tuple[tuple[Participant, ...], ...]:
-    """For each other process the receiving edges that may name a channel and that the committed rule admits."""
+    """For each other process that has some, the receiving edges that may name a channel and that the committed rule
+    admits."""
     admitted = _admitted(model, discrete)
     free = model.channels[channel][0].broadcast or admitted[sender.process]
-    return tuple(
+    of_processes = (
         tuple(p for p in model.instances[process][location] if may_receive(model, p, channel))
-        if process != sender.process and (free or admitted[process])
-        else ()
         for process, location in enumerate(discrete.locations)
+        if process != sender.process and (free or admitted[process])
     )
+    return tuple(filter(None, of_processes))
 
 
 def may_receive(model: PreparedNetwork, participant: Participant, channel: int) -> bool:
@@ -257,15 +258,20 @@ def transitions_with(
     if not model.channels[channel][0].broadcast:
         yield from (Transition((sender, receiver)) for of_process in receiving for receiver in of_process)
         return
-    admitted = _admitted(model, discrete)
     choices: list[list[tuple[Participant, ...]]] = []
     for receivers in receiving:
         joins: list[tuple[Participant, ...]] = [(receiver,) for receiver in receivers]
         choices.append(joins + ([()] if may_abstain(receivers) else []))
     for chosen in product(*choices):
-        participants = (sender, *(p for join in chosen for p in join))
-        if any(admitted[p.process] for p in participants):
-            yield Transition(participants)
+        transition = Transition((sender, *(p for join in chosen for p in join)))
+        if is_admitted(model, discrete, transition):
+            yield transition
+
+
+def is_admitted(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
+    """True if the committed rule lets some process of a transition go."""
+    admitted = _admitted(model, discrete)
+    return any(admitted[participant.process] for participant in transition.participants)
 
 
 @by_state
@@ -288,12 +294,6 @@ def is_urgent(model: PreparedNetwork, discrete: DiscreteState, transition: Trans
     """True if the transition is a synchronisation over an urgent channel."""
     channel = channel_of(model, discrete, transition)
     return channel is not None and model.channels[channel][0].urgent
-
-
-def is_announced(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> bool:
-    """True if the transition is a broadcast."""
-    channel = channel_of(model, discrete, transition)
-    return channel is not None and model.channels[channel][0].broadcast
 
 
 def priority(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> Priority:

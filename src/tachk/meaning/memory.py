@@ -14,6 +14,10 @@ MOST_STATES = 512
 """Discrete states of which something is remembered."""
 
 
+_NOTHING: Any = object()
+"""Stands for a result that is not known."""
+
+
 class Memory:
     """Results for discrete states, by function and arguments."""
 
@@ -56,9 +60,9 @@ def by_state(function: Callable[[Model, State, *Arguments], Result]) -> Callable
     def remembered(model: Model, discrete: State, /, *arguments: *Arguments) -> Result:
         known = model.memory.of(discrete)
         key = (function, arguments)
-        if key not in known:
-            known[key] = function(model, discrete, *arguments)
-        found: Result = known[key]
+        found: Result = known.get(key, _NOTHING)
+        if found is _NOTHING:
+            found = known[key] = function(model, discrete, *arguments)
         return found
 
     return remembered

@@ -21,6 +21,7 @@ from tachk.meaning.discrete import (
     meta_values,
     prepare,
 )
+from tachk.meaning.memory import Memory
 from tachk.model.evaluate import channel_number
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
 from tachk.model.fault import EvaluationFault
@@ -135,10 +136,19 @@ class TraceView:
             return self
         places = [process not in self.hidden_processes for process, _ in self.initial.locations]
         slots = [variable not in self.hidden_variables for variable, _ in self.initial.variables]
+        last: dict[int, tuple[_NamedValues, _NamedValues]] = {}
+
+        def shown_variables(variables: _NamedValues) -> _NamedValues:
+            """Many states in a row share the tuple of their variables."""
+            found = last.get(id(variables))
+            if found is None:
+                last.clear()
+                found = last[id(variables)] = variables, tuple(compress(variables, slots))
+            return found[1]
 
         def shown(state: Snapshot) -> Snapshot:
-            locations, variables = compress(state.locations, places), compress(state.variables, slots)
-            return Snapshot(tuple(locations), tuple(variables), state.clocks, state.time)
+            locations = tuple(compress(state.locations, places))
+            return Snapshot(locations, shown_variables(state.variables), state.clocks, state.time)
 
         steps = (
             ViewStep(step.delay, None if step.event is None else _shown_event(step.event), shown(step.state))
@@ -235,6 +245,7 @@ class RunNames:
         ]
         self._shown_at = {slot: (position, name, flag) for position, (slot, name, flag) in enumerate(variables)}
         self._last_values: tuple[tuple[int, ...], _NamedValues] = ((), (("", 0),) * len(variables))
+        self._known_events = Memory()
         self._known_places: dict[tuple[int, ...], tuple[tuple[str, str], ...]] = {}
         self._clocks = tuple(self.layout.names[slot] for slot in self.layout.clock_slots)
 
@@ -280,6 +291,13 @@ class RunNames:
         return replace(self.snapshot(state.discrete), clocks=clocks, time=state.time)
 
     def event(self, before: DiscreteState, transition: Transition) -> TransitionView:
+        known = self._known_events.of(before)
+        found: TransitionView | None = known.get(transition)
+        if found is None:
+            found = known[transition] = self._event(before, transition)
+        return found
+
+    def _event(self, before: DiscreteState, transition: Transition) -> TransitionView:
         first = transition.participants[0]
         synchronisation = self.model.edge(first).synchronisation
         channel = ""

@@ -13,6 +13,7 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import partial
 from math import lcm
+from operator import contains
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.base.records import dataclass, replace
@@ -30,6 +31,7 @@ from tachk.meaning.discrete import (
     initial_clocks,
     initial_discrete,
     initiators,
+    is_admitted,
     is_urgent,
     may_be_urgent,
     may_delay,
@@ -38,6 +40,7 @@ from tachk.meaning.discrete import (
     transitions_with,
 )
 from tachk.meaning.memory import by_state
+from tachk.meaning.residual import Residual, residual
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import Binary, Expression, Unary
 from tachk.model.fault import EvaluationFault
@@ -92,12 +95,14 @@ class _StepRequirement:
         of: whose guard it is.
         constraints: the constraints of the condition on the clocks.
         of_clocks: the condition compares clocks.
+        residual: the condition as a function of the clocks, if it has a simple form.
     """
 
     condition: Expression | None
     of: Participant | None
     constraints: Disjunction
     of_clocks: bool
+    residual: Residual | None
 
 
 @by_state
@@ -117,7 +122,9 @@ def _requirement(
     if of is not None:
         bind_selects(model, of, scratch)
     found = conditional_constraints(condition, scratch)
-    return _StepRequirement(condition, of, found, condition is not None and depends_on_clocks(condition))
+    if condition is None or not depends_on_clocks(condition):
+        return _StepRequirement(condition, of, found, False, None)
+    return _StepRequirement(condition, of, found, True, residual(condition, scratch))
 
 
 def _holds_at(model: PreparedNetwork, state: TimedState, requirement: _StepRequirement) -> bool:
@@ -128,6 +135,8 @@ def _holds_at(model: PreparedNetwork, state: TimedState, requirement: _StepRequi
     """
     if requirement.condition is None or not requirement.constraints or not requirement.of_clocks:
         return bool(requirement.constraints)
+    if requirement.residual is not None:
+        return requirement.residual(state.clocks)
     scratch = environment(model, state.discrete, state.clocks)
     if requirement.of is not None:
         bind_selects(model, requirement.of, scratch)
@@ -149,8 +158,46 @@ def _channel(model: PreparedNetwork, discrete: DiscreteState, participant: Parti
     return channel_named(model, participant, scratch)
 
 
-def _receives(model: PreparedNetwork, state: TimedState, participant: Participant, channel: int) -> bool:
-    return is_open(model, state, participant) and _channel(model, state.discrete, participant) == channel
+@by_state
+def _open_to_receive(
+    model: PreparedNetwork, discrete: DiscreteState, first: Participant, channel: int
+) -> tuple[tuple[tuple[Participant, _StepRequirement], ...], ...]:
+    """For each process that has some, the receiving edges whose guards are not false whatever the clocks, and these.
+
+    Raises EvaluationFault.
+    """
+    of_processes = (
+        tuple((p, guard) for p in of_process if (guard := _guard_requirement(model, discrete, p)).constraints)
+        for of_process in enabled_receivers(model, discrete, first, channel)
+    )
+    return tuple(filter(None, of_processes))
+
+
+@by_state
+def possible_receivers(model: PreparedNetwork, discrete: DiscreteState, first: Participant) -> frozenset[int]:
+    """The processes that have to receive the broadcast that an edge begins, for some values of clocks; none if it
+    begins no broadcast.
+
+    Raises EvaluationFault.
+    """
+    channel = _channel(model, discrete, first)
+    if channel is None or not model.channels[channel][0].broadcast:
+        return frozenset()
+    of_processes = _open_to_receive(model, discrete, first, channel)
+    return frozenset(participant.process for of_process in of_processes for participant, _ in of_process)
+
+
+def _receiving(model: PreparedNetwork, state: TimedState, first: Participant, channel: int) -> list[list[Participant]]:
+    """For each process that has some, the edges that can receive now. Raises EvaluationFault."""
+    of_processes = (
+        [
+            p
+            for p, guard in of_process
+            if _holds_at(model, state, guard) and _channel(model, state.discrete, p) == channel
+        ]
+        for of_process in _open_to_receive(model, state.discrete, first, channel)
+    )
+    return list(filter(None, of_processes))
 
 
 def _guarded_transitions(model: PreparedNetwork, state: TimedState) -> Iterator[Transition]:
@@ -166,27 +213,40 @@ def begun_by(model: PreparedNetwork, state: TimedState, first: Participant) -> I
     if channel is None:
         yield Transition((first,))
         return
-    receiving = [
-        [p for p in of_process if _receives(model, state, p, channel)]
-        for of_process in enabled_receivers(model, state.discrete, first, channel)
-    ]
-    yield from transitions_with(
-        model, state.discrete, first, channel, receiving, may_abstain=lambda receivers: not receivers
-    )
+    receiving = _receiving(model, state, first, channel)
+    yield from transitions_with(model, state.discrete, first, channel, receiving, may_abstain=lambda _: False)
 
 
 def _is_guarded(model: PreparedNetwork, state: TimedState, transition: Transition) -> bool:
     """True if the guards of one transition hold and the committed rule admits it; nothing else is evaluated."""
     first, *others = transition.participants
-    if first not in initiators(model, state.discrete) or not is_open(model, state, first):
+    if not _may_begin(model, state.discrete, first) or not is_open(model, state, first):
         return False
     channel = _channel(model, state.discrete, first)
-    if channel is None or model.channels[channel][0].broadcast:
-        return transition in begun_by(model, state, first)
-    if len(others) != 1:
-        return False
+    if channel is None:
+        return not others
+    if not model.channels[channel][0].broadcast:
+        return len(others) == 1 and _can_receive(model, state, first, others[0], channel)
+    receiving = _receiving(model, state, first, channel)
+    takes_part = len(others) == len(receiving) and all(map(contains, receiving, others))
+    return takes_part and is_admitted(model, state.discrete, transition)
+
+
+@by_state
+def _may_begin(model: PreparedNetwork, discrete: DiscreteState, participant: Participant) -> bool:
+    return participant in initiators(model, discrete)
+
+
+def _can_receive(
+    model: PreparedNetwork, state: TimedState, first: Participant, receiver: Participant, channel: int
+) -> bool:
+    """True if an edge can receive what another one sends; the guards of no others are evaluated."""
     audience = (p for of_process in enabled_receivers(model, state.discrete, first, channel) for p in of_process)
-    return others[0] in audience and _receives(model, state, others[0], channel)
+    return (
+        receiver in audience
+        and is_open(model, state, receiver)
+        and _channel(model, state.discrete, receiver) == channel
+    )
 
 
 def possible(model: PreparedNetwork, state: TimedState) -> list[tuple[Transition, TimedState]]:

@@ -10,8 +10,8 @@ from enum import Flag, auto
 from fractions import Fraction
 
 from tachk.base.records import dataclass, replace
-from tachk.meaning.discrete import PreparedNetwork, is_announced, prepare
-from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, is_possible
+from tachk.meaning.discrete import PreparedNetwork, prepare
+from tachk.meaning.step import StepError, begun_by, delay, fire, initial_state, is_possible, possible_receivers
 from tachk.model.fault import EvaluationFault
 from tachk.model.network import Network
 from tachk.model.run import Ending, Participant, RunTimeFault, TimedState, TimedStep, TimedTrace, Transition
@@ -92,7 +92,7 @@ class Transformation:
 
     def in_original(self, model: PreparedNetwork, state: TimedState, wanted: Transition) -> Transition:
         """The transition of the original in which the processes that act take part as wanted. Raises StepError."""
-        if not is_announced(model, state.discrete, wanted):
+        if all(map(self._acts, possible_receivers(model, state.discrete, wanted.participants[0]))):
             return wanted
 
         def acting(transition: Transition) -> tuple[Participant, ...]:

@@ -6,6 +6,7 @@ in which it lets no time pass; the verdict then says so. Only the run is looked 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
@@ -15,7 +16,7 @@ from tachk.meaning.step import satisfies
 from tachk.model.expressions import Expression
 from tachk.model.quantity import duration
 from tachk.model.query import Observer
-from tachk.model.run import TimedTrace
+from tachk.model.run import DiscreteState, TimedTrace
 from tachk.transform.observed import ObserverMove
 from tachk.verify.verdict import Answer, Verdict
 
@@ -42,12 +43,19 @@ def moments(model: PreparedNetwork, run: TimedTrace, condition: Expression) -> I
 
     The last state of the run counts as one that lasts.
     """
-    states = [(state.time, satisfies(model, state, condition)) for state in run.states]
+    truths: dict[DiscreteState, bool] = {}
+    for state in run.states:
+        if state.discrete not in truths:
+            truths[state.discrete] = satisfies(model, state, condition)
+    states = [(state.time, truths[state.discrete]) for state in run.states]
     ends = [*(time for time, _ in states[1:]), None]
     true = [(begin, end) for (begin, truth), end in zip(states, ends, strict=True) if truth]
     lasting = [(begin, end) for begin, end in true if begin != end]
+    begins = [begin for begin, _ in lasting]
     for moment, _ in true:
-        if not any(begin <= moment and (end is None or moment <= end) for begin, end in lasting):
+        before = bisect_right(begins, moment)
+        end = lasting[before - 1][1] if before else moment - 1
+        if end is not None and end < moment:
             yield moment
 
 

@@ -24,6 +24,7 @@ from tachk.meaning.constraints import (
     satisfied,
     tidied,
 )
+from tachk.meaning.residual import residual
 from tachk.model.builder import NetworkBuilder, Term, bound_variable, conditional, quantifier
 from tachk.model.evaluate import Environment, holds
 from tachk.model.expressions import BOOL, Binary, QuantifierKind
@@ -93,6 +94,28 @@ def test_the_normal_form_holds_where_the_condition_holds(
         form = disjunctive(condition.expression, Environment(LAYOUT, values), negated)
         found = any(all(dbm.holds(c, point) for c in conjunction) for conjunction in form)
         assert found == (expected is not negated)
+
+
+@given(conditions, st.tuples(halves, halves), st.integers(0, 3))
+def test_the_residual_holds_where_the_condition_holds(
+    condition: Term, clocks: tuple[Fraction, Fraction], n: int
+) -> None:
+    left = residual(condition.expression, Environment(LAYOUT, [1, 2, n]))
+    if left is not None:
+        expected = holds(condition.expression, Environment(LAYOUT, [1, 2, n], clocks=clocks))
+        assert left(clocks) is expected
+
+
+def test_guards_and_invariants_as_models_write_them_have_residuals() -> None:
+    written = [
+        (X < N) & (Y - X >= 2),
+        ~(N == X) | (X > Y),
+        quantifier(QuantifierKind.FORALL, I, (N == I) | (X >= I)),
+        (N > 0) & (X <= 2),
+    ]
+    for condition in written:
+        assert residual(condition.expression, Environment(LAYOUT, [1, 2, 0])) is not None
+    assert residual((1 // N == X).expression, Environment(LAYOUT, [1, 2, 0])) is None
 
 
 def test_what_the_left_side_decides_is_not_evaluated_on_the_right() -> None:

@@ -9,8 +9,8 @@ from math import lcm
 from tachk.base.records import dataclass, replace
 from tachk.engine.exact.schedule import (
     PhaseConstraint,
-    Requirement,
     SchedulePhase,
+    ScheduleRequirement,
     Standstill,
     any_solution,
     earliest,
@@ -27,6 +27,7 @@ from tachk.meaning.discrete import (
     may_delay,
     stopped_clocks,
 )
+from tachk.meaning.memory import by_state
 from tachk.model.expressions import Expression
 from tachk.model.fault import EvaluationFault
 from tachk.model.run import DiscreteState, TimedState, TimedStep, TimedTrace, Transition
@@ -88,7 +89,7 @@ def time_optimal_run(
 
 def requirements_of(
     model: PreparedNetwork, path: Sequence[Transition], predicate: Expression | None
-) -> tuple[list[DiscreteState], list[SchedulePhase], list[Requirement]]:
+) -> tuple[list[DiscreteState], list[SchedulePhase], list[ScheduleRequirement]]:
     """The discrete states and the phases of a path, and what its durations must satisfy. Raises EvaluationFault."""
     states, phases = discrete_run(model, path)
     requirements = [r for k, t in enumerate(path) for r in of_phase(model, states[k], k, t)]
@@ -149,29 +150,41 @@ def _assigned(stood: Mapping[int, Standstill], assigned: Iterable[tuple[int, int
 
 def of_phase(
     model: PreparedNetwork, discrete: DiscreteState, phase: int, leaves_by: Transition | None
-) -> Iterator[Requirement]:
+) -> Iterator[ScheduleRequirement]:
     """The constraints under which control can stay in a state for the phase and leave it by a transition."""
+    return (ScheduleRequirement(phase, choice) for choice in _choices(model, discrete, leaves_by))
+
+
+_Choice = Sequence[Sequence[PhaseConstraint]]
+
+
+@by_state
+def _choices(model: PreparedNetwork, discrete: DiscreteState, leaves_by: Transition | None) -> list[_Choice]:
+    """The conjunctions of each requirement of a phase."""
     waiting = model.dimension
-    yield at_end(phase, [((0, waiting, LESS_EQUAL_ZERO),)])
+    found = [_at(True, [((0, waiting, LESS_EQUAL_ZERO),)])]
     if not may_delay(model, discrete):
-        yield at_end(phase, [((waiting, 0, LESS_EQUAL_ZERO),)])
+        found.append(_at(True, [((waiting, 0, LESS_EQUAL_ZERO),)]))
     for process, location in enumerate(model.current(discrete)):
         if location.invariant is not None:
             condition = symbolic.invariant_of(model, discrete, process)
-            yield [tuple(PhaseConstraint(phase, False, c) for c in conjunction) for conjunction in condition]
-            yield at_end(phase, condition)
+            found += [_at(False, condition), _at(True, condition)]
     if leaves_by is not None:
-        yield at_end(phase, symbolic.guard_of(model, discrete, leaves_by))
+        found.append(_at(True, symbolic.guard_of(model, discrete, leaves_by)))
         if model.has_priorities:
-            yield at_end(phase, _unblocked(model, discrete, leaves_by))
+            found.append(_at(True, _unblocked(model, discrete, leaves_by)))
     if may_delay(model, discrete) and any(type_.urgent for type_, _ in model.channels):
         here = symbolic.situation(model, discrete)
-        for zone in here.urgent:
-            yield _not_while_urgent(phase, zone, here, waiting)
+        found += [_not_while_urgent(zone, here, waiting) for zone in here.urgent]
+    return found
 
 
-def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> Requirement:
-    return [tuple(PhaseConstraint(phase, True, c) for c in conjunction) for conjunction in condition]
+def at_end(phase: int, condition: Sequence[Sequence[Constraint]]) -> ScheduleRequirement:
+    return ScheduleRequirement(phase, _at(True, condition))
+
+
+def _at(end: bool, condition: Sequence[Sequence[Constraint]]) -> _Choice:
+    return [tuple(PhaseConstraint(end, c) for c in conjunction) for conjunction in condition]
 
 
 def _unblocked(model: PreparedNetwork, discrete: DiscreteState, transition: Transition) -> list[tuple[Constraint, ...]]:
@@ -187,22 +200,22 @@ def conditions(federation: Sequence[Zone]) -> list[tuple[Constraint, ...]]:
     return [tuple(zone.constraints()) for zone in federation]
 
 
-def _not_while_urgent(phase: int, zone: Zone, here: symbolic.Situation, waiting: int) -> Requirement:
-    """No time passes in the phase while the clocks are in a zone.
+def _not_while_urgent(zone: Zone, here: symbolic.Situation, waiting: int) -> _Choice:
+    """No time passes in a phase while the clocks are in a zone.
 
     Either no time passes at all; or the phase begins outside because of an upper bound or a difference, which time does
     not mend; or it ends before, or at, the moment a lower bound becomes true. With stopped clocks this is stricter than
     it need be for differences of a running and a stopped clock.
     """
-    options: Requirement = [(PhaseConstraint(phase, True, (waiting, 0, LESS_EQUAL_ZERO)),)]
+    options = [(PhaseConstraint(True, (waiting, 0, LESS_EQUAL_ZERO)),)]
     for constraint in zone.constraints():
         i, j, raw = constraint
         if here.invariant is not None and raw >= here.invariant[i, j]:
             continue
         if i == 0:
-            options.append((PhaseConstraint(phase, True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
+            options.append((PhaseConstraint(True, (j, 0, raw_bound(-dbm.bound_value(raw), strict=False))),))
         else:
-            options.append((PhaseConstraint(phase, False, complement(constraint)),))
+            options.append((PhaseConstraint(False, complement(constraint)),))
     return options
 
 

@@ -1,7 +1,7 @@
 """The schedules of a path: its clock constraints, and two ways to solve them.
 
 A path of n transitions has phases 0 to n; phase k begins when transition k fires (phase 0 at time 0) and ends when the
-next one does. A `Requirement` says what must hold at the beginning or the end of phases, as a choice between
+next one does. A `ScheduleRequirement` says what must hold at the beginning or the end of a phase, as a choice between
 conjunctions of clock constraints.
 
 `earliest` treats the moments of the transitions as unknowns. As long as all clocks run, every clock constraint is a
@@ -13,7 +13,7 @@ for z3, for clocks that stop.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -34,13 +34,16 @@ RETRIES = 2000
 class PhaseConstraint:
     """A clock constraint at the beginning or the end of a phase."""
 
-    phase: int
     at_end: bool
     constraint: Constraint
 
 
-Requirement = list[tuple[PhaseConstraint, ...]]
-"""One of the conjunctions must hold."""
+@dataclass(frozen=True, slots=True)
+class ScheduleRequirement:
+    """Conjunctions of clock constraints in a phase, one of which must hold."""
+
+    phase: int
+    conjunctions: Sequence[Sequence[PhaseConstraint]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +126,7 @@ class _LeastMoments:
                 self.least[place] = value
 
 
-def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
+def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[ScheduleRequirement]) -> list[Fraction] | None:
     """The durations of the phases of an early run; None if there is no run.
 
     Takes for each requirement the first conjunction with which a solution is left, and then the least moments. Where
@@ -134,9 +137,9 @@ def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement
     number, alternative, taken_back = 0, 0, 0
     while number < len(requirements):
         mark = len(moments.undo)
-        options = requirements[number]
+        phase, options = requirements[number].phase, requirements[number].conjunctions
         while alternative < len(options):
-            if all(moments.require(*_difference(phases, moment)) for moment in options[alternative]):
+            if all(moments.require(*_difference(phases, phase, moment)) for moment in options[alternative]):
                 break
             moments.back_to(mark)
             alternative += 1
@@ -155,11 +158,11 @@ def earliest(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement
     return _durations(moments.least)
 
 
-def _difference(phases: Sequence[SchedulePhase], moment: PhaseConstraint) -> Constraint:
+def _difference(phases: Sequence[SchedulePhase], phase: int, moment: PhaseConstraint) -> Constraint:
     """A clock constraint as a bound on the difference of two moments."""
-    now = moment.phase + moment.at_end
+    now = phase + moment.at_end
     i, j, raw = moment.constraint
-    resets = phases[moment.phase].resets
+    resets = phases[phase].resets
     # A clock is `now - (phase of its reset) + value`; without a clock there is `now - now + 0`.
     from_i, value_i = resets[i] if i else (now, 0)
     from_j, value_j = resets[j] if j else (now, 0)
@@ -174,7 +177,7 @@ def _durations(least: Sequence[int]) -> list[Fraction]:
     return [after - before for before, after in pairwise(times)]
 
 
-def any_solution(phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]) -> list[Fraction] | None:
+def any_solution(phases: Sequence[SchedulePhase], requirements: Sequence[ScheduleRequirement]) -> list[Fraction] | None:
     """The durations of the phases of some run, where clocks may stop; None if there is no run."""
     with optional_packages():
         import z3
@@ -202,7 +205,10 @@ class ExtremeTime:
 
 
 def extreme_solution(
-    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement], latest: bool, milliseconds: int | None = None
+    phases: Sequence[SchedulePhase],
+    requirements: Sequence[ScheduleRequirement],
+    latest: bool,
+    milliseconds: int | None = None,
 ) -> ExtremeTime | None:
     """A run whose last transition is as late as possible, or a run that ends as early as possible.
 
@@ -261,7 +267,7 @@ def _limit(formulas: Sequence[Any], time: Any, largest: bool, milliseconds: int 
 
 
 def _linear_problem(
-    phases: Sequence[SchedulePhase], requirements: Sequence[Requirement]
+    phases: Sequence[SchedulePhase], requirements: Sequence[ScheduleRequirement]
 ) -> tuple[list[Any], list[Any]]:
     """The durations of the phases as unknowns of z3, and what they must satisfy."""
     with optional_packages():
@@ -269,23 +275,37 @@ def _linear_problem(
 
     durations = [z3.Real(f"d{k}") for k in range(len(phases))]
 
-    def clock(number: int, moment: PhaseConstraint) -> z3.ArithRef:
+    def clock(number: int, phase: int, at_end: bool) -> z3.ArithRef:
         if number == 0:
             return z3.RealVal(0)
-        since, value = phases[moment.phase].resets[number]
-        stood = standstills(phases, number, moment.phase, moment.at_end)
-        passed = [durations[k] for k in range(since, moment.phase + moment.at_end) if k not in stood]
+        since, value = phases[phase].resets[number]
+        stood = standstills(phases, number, phase, at_end)
+        passed = [durations[k] for k in range(since, phase + at_end) if k not in stood]
         return z3.Sum([z3.RealVal(value), *passed])
+
+    choices = [formula_of(requirement, clock) for requirement in requirements]
+    return durations, [*(d >= 0 for d in durations), *choices]
+
+
+def formula_of(requirement: ScheduleRequirement, clock: Callable[[int, int, bool], Any], unit: int = 1) -> Any:
+    """A requirement as a formula of z3.
+
+    Args:
+        clock: the value of a clock at the beginning or the end of a phase.
+        unit: the number of units of these values that are one of the network's.
+    """
+    with optional_packages():
+        import z3
 
     def formula(moment: PhaseConstraint) -> z3.BoolRef:
         i, j, raw = moment.constraint
         if raw >= INFINITY:
             return z3.BoolVal(True)
-        difference = clock(i, moment) - clock(j, moment)
-        return difference < bound_value(raw) if is_strict(raw) else difference <= bound_value(raw)
+        difference = clock(i, requirement.phase, moment.at_end) - clock(j, requirement.phase, moment.at_end)
+        bound = bound_value(raw) * unit
+        return difference < bound if is_strict(raw) else difference <= bound
 
-    choices = [z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in r]) for r in requirements]
-    return durations, [*(d >= 0 for d in durations), *choices]
+    return z3.Or([z3.And([formula(m) for m in conjunction]) for conjunction in requirement.conjunctions])
 
 
 def standstills(phases: Sequence[SchedulePhase], clock: int, phase: int, at_end: bool) -> set[int]:

@@ -208,8 +208,6 @@ class _RunWriter:
         self._unit = time_unit
         self._clocks = clocks
         self._columns = columns
-        self._times = [_when(trace.initial.time, None, time_unit)]
-        self._times += [_when(step.state.time, step.delay, time_unit) for step in trace.steps]
         self._lines = Text()
         self._width = 0
 
@@ -218,7 +216,7 @@ class _RunWriter:
         if loop:
             parts.append(_FoldedItems.of(loop, Ends(max(ends.beginning, _LOOP_BEGINNING), ends.end)))
         numbers = [number for part in parts for number in _numbers([*part.beginning, *part.end])]
-        self._width = max(len(self._times[0]), *(len(self._times[n + 1]) for n in numbers), 0)
+        self._width = max(len(self._when(number)) for number in (0, *(n + 1 for n in numbers)))
         if ends.beginning or not parts[0].left_out:
             self._step(0, list(_start_lines(self._trace.initial, self._clocks)))
         for number, part in enumerate(parts):
@@ -282,11 +280,20 @@ class _RunWriter:
         """The state after that many steps."""
         return self._trace.initial if number == 0 else self._trace.steps[number - 1].state
 
+    def _when(self, number: int) -> str:
+        """The time after that many steps, with the delay of the last one."""
+        time = self._state(number).time
+        if time is None:
+            return ""
+        delay = self._trace.steps[number - 1].delay if number else None
+        waited = f" (+{duration(delay, self._unit)})" if delay else ""
+        return duration(time, self._unit) + waited
+
     def _note(self, words: str) -> None:
         self._lines.append(" " * (self._width + 9)).append(words, style="cyan").append("\n")
 
     def _step(self, number: int, details: Sequence[Text]) -> None:
-        margin = f"{number:5}  {self._times[number]:<{self._width}}  "
+        margin = f"{number:5}  {self._when(number):<{self._width}}  "
         for detail in details:
             self._lines.append(margin, style="cyan").append_text(detail).append("\n")
             margin = " " * len(margin)
@@ -298,13 +305,6 @@ def _numbers(items: Sequence[Single | Round]) -> Iterator[int]:
             yield item.number
         else:
             yield from _numbers(item.block)
-
-
-def _when(time: Fraction | None, delay: Fraction | None, time_unit: str) -> str:
-    if time is None:
-        return ""
-    waited = f" (+{duration(delay, time_unit)})" if delay else ""
-    return duration(time, time_unit) + waited
 
 
 def _start_lines(state: Snapshot, clocks: bool) -> Iterator[Text]:
