@@ -71,7 +71,6 @@ REPLACED = {
 """Words that names do not contain, each with its standard words. docs/glossary.md lists those of the field."""
 
 EXCEPTIONS = {
-    "Beat": "a heartbeat of DDS-XRCE",
     "beat": "a heartbeat of DDS-XRCE",
     "beats": "heartbeats of DDS-XRCE",
     "by_beat": "heartbeats of DDS-XRCE",

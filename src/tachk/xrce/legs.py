@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Iterable, Sequence
 from hashlib import blake2b
 from typing import Final
@@ -12,12 +11,12 @@ import numpy as np
 from tachk.base.records import dataclass
 from tachk.xrce.datagrams import Flags
 from tachk.xrce.messages import Endpoint
-from tachk.xrce.packets import Numbers
+from tachk.xrce.packets import Numbers, Octets
 from tachk.xrce.serial_line import NO_ENDPOINT
 from tachk.xrce.submessages import NOTHING, Submessages, parsed
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
-_DIGEST: Final = 16
+DIGEST: Final = 16
 """A digest of a message has so many bytes."""
 
 _LONGEST_RELAY: Final = 5_000_000_000
@@ -64,6 +63,9 @@ class MessageColumns:
         )
 
 
+_COLUMNS: Final = ("numbers", "packets", "times", "digests", "to_agent", "dropped")
+
+
 class Leg:
     """The packets that one capture point saw between two endpoints.
 
@@ -81,15 +83,14 @@ class Leg:
         self.session: int | None = None
         self.first = 0
         self.begins = False
-        self._rows = array("q")
-        self._digests = bytearray()
-        self._others: list[MessageColumns] = []
+        self._pieces: list[MessageColumns] = []
+        self._others: list[Leg] = []
 
-    def add(self, number: int, packet: int, time: int, to_agent: bool, dropped: bool, octets: bytes) -> None:
-        if not self._rows:
-            self.first, self.begins = packet, to_agent
-        self._rows.extend((number << 2 | to_agent << 1 | dropped, packet, time))
-        self._digests += blake2b(octets, digest_size=_DIGEST).digest()
+    def add(self, messages: MessageColumns) -> None:
+        """Adds its next messages."""
+        if not self._pieces:
+            self.first, self.begins = int(messages.packets[0]), bool(messages.to_agent[0])
+        self._pieces.append(messages)
 
     @property
     def key(self) -> str:
@@ -104,7 +105,7 @@ class Leg:
 
     def take(self, others: Iterable[Leg]) -> None:
         """Has their messages, too."""
-        self._others += [columns for leg in others for columns in (leg._own(), *leg._others)]
+        self._others += others
 
     def is_before(self, other: Leg) -> bool:
         """True if a relay passes messages of this leg on to the other one."""
@@ -117,24 +118,18 @@ class Leg:
             and 0 <= theirs.time - ours.time < _LONGEST_RELAY
         )
 
-    def _own(self) -> MessageColumns:
-        coded, packets, times = np.frombuffer(self._rows, np.int64).reshape(-1, 3).T
-        digests = np.frombuffer(self._digests, np.int64).reshape(-1, 2)
-        return MessageColumns(coded >> 2, packets, times, digests, coded & 2 != 0, coded & 1 != 0)
-
     def columns(self) -> MessageColumns:
-        """Its messages, in the order of packets."""
-        own = self._own()
+        """Its messages, in the order of packets. It has none from then on."""
+        own = _one_behind_the_other(self._pieces)
+        self._pieces = []
         if not self._others:
             return own
-        pieces = [own, *self._others]
-        together = MessageColumns(
-            *(
-                np.concatenate([getattr(each, name) for each in pieces])
-                for name in ("numbers", "packets", "times", "digests", "to_agent", "dropped")
-            )
-        )
+        together = _one_behind_the_other([own, *(leg.columns() for leg in self._others)])
         return together.where(np.argsort(together.packets, kind="stable"))
+
+
+def _one_behind_the_other(pieces: Sequence[MessageColumns]) -> MessageColumns:
+    return MessageColumns(*(np.concatenate([getattr(each, name) for each in pieces]) for name in _COLUMNS))
 
 
 class Legs:
@@ -157,34 +152,55 @@ class Legs:
         known = with_ends(found)
         numbers = np.where(known, np.cumsum(known) - 1 + self.messages, -1)
         self.messages += int(known.sum())
-        sessions = np.full(len(known), NOTHING, np.int64)
-        sessions[found.message] = found.session
-        creations: dict[int, int] = {}
-        for entry in np.flatnonzero(found.kind == SubmessageKind.CREATE_CLIENT).tolist():
-            creations.setdefault(int(found.message[entry]), entry)
-        octets = messages.octets.tobytes()
-        pairs: dict[tuple[int, int], Leg] = {}
-        rows = zip(
-            *(column.tolist() for column in (numbers, messages.clients, messages.agents, messages.packets)),
-            *(column.tolist() for column in (messages.times, messages.to_agent, messages.starts, messages.sizes)),
-            sessions.tolist(),
-            strict=True,
+        there = np.flatnonzero(known)
+        not_taken = np.zeros(len(known), np.bool_)
+        not_taken[list(dropped)] = True
+        columns = MessageColumns(
+            numbers[there],
+            messages.packets[there],
+            messages.times[there],
+            digests(messages.octets, messages.starts[there], messages.sizes[there]),
+            messages.to_agent[there],
+            not_taken[there],
         )
-        for place, (number, client, agent, packet, time, to_agent, start, size, session) in enumerate(rows):
-            if number < 0:
-                continue
-            leg = pairs.get((client, agent))
-            if leg is None:
-                ends = endpoints[client], endpoints[agent]
-                leg = pairs[client, agent] = self._legs.setdefault(ends, Leg(*ends))
-            content = octets[start : start + size]
-            leg.add(number, packet, time, to_agent, place in dropped, content)
-            if to_agent and leg.session is None and session >= 0 and session not in SESSION_IDS_NONE:
-                leg.session = session
-            if to_agent and leg.creation is None and place in creations:
-                key = parsed(found, creations[place]).key.hex().upper()
-                leg.creation = Creation(time, content, key)
+        ends, first, leg_of = np.unique(
+            np.stack([messages.clients[there], messages.agents[there]], axis=1),
+            axis=0,
+            return_index=True,
+            return_inverse=True,
+        )
+        for number in np.argsort(first).tolist():
+            client, agent = (endpoints[end] for end in ends[number])
+            leg = self._legs.setdefault((client, agent), Leg(client, agent))
+            ours = leg_of.reshape(-1) == number
+            leg.add(columns.where(ours))
+            self._note_session(leg, found, there[ours & columns.to_agent])
         return numbers
+
+    def _note_session(self, leg: Leg, found: Submessages, sent: Numbers) -> None:
+        """Notes what messages of the client say of its session."""
+        if leg.session is None:
+            sessions = np.full(len(found.messages.starts), NOTHING, np.int64)
+            sessions[found.message] = found.session
+            sessions = sessions[sent]
+            said = sessions[(sessions >= 0) & ~np.isin(sessions, SESSION_IDS_NONE)]
+            leg.session = int(said[0]) if len(said) else None
+        if leg.creation is None:
+            created = (found.kind == SubmessageKind.CREATE_CLIENT) & np.isin(found.message, sent)
+            for entry in np.flatnonzero(created)[:1].tolist():
+                messages, message = found.messages, found.message[entry]
+                start, size = int(messages.starts[message]), int(messages.sizes[message])
+                octets = messages.octets[start : start + size].tobytes()
+                key = parsed(found, entry).key.hex().upper()
+                leg.creation = Creation(int(messages.times[message]), octets, key)
+
+
+def digests(octets: Octets, starts: Numbers, sizes: Numbers) -> Numbers:
+    """For each stretch of some bytes two numbers that stand for what it says."""
+    whole = memoryview(octets.data)
+    stretches = zip(starts.tolist(), (starts + sizes).tolist(), strict=True)
+    found = b"".join([blake2b(whole[start:end], digest_size=DIGEST).digest() for start, end in stretches])
+    return np.frombuffer(found, np.int64).reshape(-1, 2)
 
 
 def with_ends(found: Submessages) -> Flags:

@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from tachk.base.records import dataclass
+from tachk.xrce.datagrams import Flags
+from tachk.xrce.joined_submessages import places_in
 from tachk.xrce.legs import MessageColumns
 from tachk.xrce.packets import Numbers
 
@@ -36,7 +38,9 @@ def matched(before: MessageColumns, behind: MessageColumns) -> Matched:
     sizes = np.diff(np.append(first, entered + left))
     of_before = np.add.reduceat(order < entered, first) if len(first) else first
     pairs = [_single(order, first[(sizes == 2) & (of_before == 1)], before, behind)]
-    several = (sizes > 2) & (of_before > 0) & (of_before < sizes)
+    alike = (sizes > 2) & (2 * of_before == sizes)
+    alike[alike] = _in_turn(order, first[alike], of_before[alike], before, behind, pairs)
+    several = ~alike & (sizes > 2) & (of_before > 0) & (of_before < sizes)
     found: list[tuple[int, int]] = []
     for start, size, count in np.stack([first, sizes, of_before], axis=1)[several].tolist():
         here, there = order[start : start + count], order[start + count : start + size] - entered
@@ -53,6 +57,25 @@ def _single(order: Numbers, first: Numbers, before: MessageColumns, behind: Mess
     here, there = order[first], order[first + 1] - len(before.packets)
     passed = before.packets[here] < behind.packets[there]
     return np.stack([here[passed], there[passed]], axis=1)
+
+
+def _in_turn(
+    order: Numbers,
+    first: Numbers,
+    counts: Numbers,
+    before: MessageColumns,
+    behind: MessageColumns,
+    pairs: list[Numbers],
+) -> Flags:
+    """Adds the pairs of those that are there equally often on each side, where each has come out after it had gone in:
+    then `_equal_ones` gives one after the other. Returns whether that is so."""
+    here = order[places_in(first, counts)]
+    there = order[places_in(first + counts, counts)] - len(before.packets)
+    passed = before.packets[here] < behind.packets[there]
+    whole: Flags = np.logical_and.reduceat(passed, np.cumsum(counts) - counts) if len(first) else np.zeros(0, np.bool_)
+    taken = np.repeat(whole, counts)
+    pairs.append(np.stack([here[taken], there[taken]], axis=1))
+    return whole
 
 
 def _equal_ones(entered: Sequence[int], behind: Sequence[int]) -> Iterator[tuple[int, int]]:

@@ -1,56 +1,68 @@
-"""Transmissions of a long capture as columns of numbers: each is made when it is read, and takes no memory before."""
+"""Transmissions of a capture as columns of numbers: each becomes an object when it is read, and not before."""
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache, cached_property
 from typing import Final, overload
 
 import numpy as np
 
-from tachk.base.records import dataclass
-from tachk.xrce.events import SubmessageEvent, Value
+from tachk.xrce import contents
+from tachk.xrce.datagrams import Flags
+from tachk.xrce.events import SubmessageEvent, events
+from tachk.xrce.joined_submessages import places_in
 from tachk.xrce.messages import Endpoint
+from tachk.xrce.packets import Column, Numbers
+from tachk.xrce.submessages import Submessages
 from tachk.xrce.transmission import Transmission, TransmissionArrival
-from tachk.xrce.wire import SubmessageKind
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
 
-_NONE: Final = -1
 _FEW: Final = 10_000
-
-
-_Shape = tuple[frozenset[SubmessageKind | None], bool]
+_BITS: Final[Mapping[SubmessageKind | None, int]] = {
+    kind: 1 << number for number, kind in enumerate((*SubmessageKind, None))
+}
+"""By the kind of a submessage, None for one that is malformed."""
 
 
 class PackedTransmissions(Sequence[Transmission]):
-    """What a capture has of messages on their way, in the order in which they were sent."""
+    """What a capture has of messages on their way, in the order in which they were sent.
 
-    def __init__(self, transmissions: Iterable[Transmission]) -> None:
-        self.links, self.to_agent = array("i"), array("b")
-        self.sent, self.packets = array("q"), array("q")
-        self.first_arrivals, self.first_events = array("q", [0]), array("q", [0])
-        self._unseen = bytearray()
-        self._arrivals = array("q")
-        self._events = _SubmessageColumns()
-        self._shape = array("i")
-        self._shapes: dict[_Shape, int] = {}
-        self._by_number: list[_Shape] = []
-        for one in transmissions:
-            self.links.append(one.link)
-            self.to_agent.append(one.to_agent)
-            self.sent.append(one.sent)
-            self.packets.append(one.packet)
-            self._unseen.append(one.arrivals is None)
-            for arrival in one.arrivals or ():
-                self._arrivals.extend((arrival.time, arrival.packet))
-            self.first_arrivals.append(len(self._arrivals) // 2)
-            for event in one.events:
-                self._events.add(event)
-            self.first_events.append(len(self._events))
-            shape = one.kinds, one.is_reliable
-            number = self._shapes.setdefault(shape, len(self._by_number))
-            if number == len(self._by_number):
-                self._by_number.append(shape)
-            self._shape.append(number)
+    Attributes:
+        links, to_agent, sent, packets: of each what `Transmission` says.
+        stream, sequence: as in the header of the message; negative where that is cut.
+        kinds: of its submessages, as bits.
+        is_observed, is_lost, arrived: of each what `Transmission` says.
+        counts: how many arrivals it has.
+        arrivals: of all of them, one behind the other: the times and the packets.
+        first_arrivals: where those of each begin.
+        submessages: of all of them; ``first_events`` says where those of each begin, ``event_counts`` how many it has.
+    """
+
+    def __init__(self, rows: Numbers, arrivals: Numbers, found: Submessages, endpoints: list[Endpoint]) -> None:
+        """Args:
+        rows, arrivals: as in `tachk.xrce.transmissions.Transmissions`.
+        found: their messages, in the order of their numbers.
+        endpoints: those of the messages, by number.
+        """
+        self.submessages, self._endpoints = found, endpoints
+        self._row_of_message = np.argsort(rows[:, 0], kind="stable")
+        messages = np.argsort(self._row_of_message, kind="stable")
+        first = np.flatnonzero(np.diff(found.message, prepend=-1))
+        counts = np.diff(np.append(first, len(found.message)))
+        bits = np.bitwise_or.reduceat(_bits_of(found.kind), first) if len(first) else first
+        self.links, self.to_agent = rows[:, 1].astype(np.int32), rows[:, 2] != 0
+        self.sent, self.packets = found.messages.times[messages], found.messages.packets[messages]
+        self.first_events, self.event_counts = first[messages], counts[messages].astype(np.int32)
+        self.stream, self.sequence = found.stream[self.first_events], found.sequence[self.first_events]
+        self.kinds = bits[messages]
+        self.counts = np.maximum(rows[:, 3], 0)
+        self.first_arrivals = np.cumsum(self.counts) - self.counts
+        self.arrivals = arrivals
+        self.is_observed, self.is_lost = rows[:, 3] >= 0, rows[:, 3] == 0
+        self.arrived = self.sent.copy()
+        some = self.counts > 0
+        self.arrived[some] = arrivals[self.first_arrivals[some], 0]
 
     def __len__(self) -> int:
         return len(self.links)
@@ -65,7 +77,70 @@ class PackedTransmissions(Sequence[Transmission]):
         return _PackedTransmission(self, range(len(self))[number])
 
     def __iter__(self) -> Iterator[Transmission]:
-        return (_PackedTransmission(self, row) for row in range(len(self.links)))
+        return (_PackedTransmission(self, row) for row in range(len(self)))
+
+    def of_link(self, link: int) -> Numbers:
+        """The rows of a link."""
+        order, ends = self._by_link
+        return order[ends[link] : ends[link + 1]]
+
+    @cached_property
+    def _by_link(self) -> tuple[Numbers, list[int]]:
+        """All rows, those of one link behind those of another one, and where each link begins."""
+        counts = np.bincount(self.links, minlength=int(self.links.max(initial=-1)) + 2)
+        return np.argsort(self.links, kind="stable"), [0, *np.cumsum(counts).tolist()]
+
+    @cached_property
+    def is_reliable(self) -> Flags:
+        """Whether the number of each is acknowledged."""
+        found: Flags = self.stream >= FIRST_RELIABLE_STREAM
+        return found
+
+    @cached_property
+    def samples(self) -> Numbers:
+        """For each submessage a number that stands for its sample; see `tachk.xrce.contents`."""
+        return contents.samples(self.submessages, self._endpoints)
+
+    def samples_of(self, rows: Numbers, *kinds: SubmessageKind) -> tuple[Numbers, Numbers]:
+        """The `samples` in the submessages of these kinds of some rows, and the row of each."""
+        numbers = places_in(self.first_events[rows], self.event_counts[rows])
+        chosen = np.isin(self.submessages.kind[numbers], kinds)
+        return self.samples[numbers[chosen]], np.repeat(rows, self.event_counts[rows])[chosen]
+
+    @cached_property
+    def contents(self) -> Numbers:
+        """For each a number that stands for what it says, and for its way."""
+        rows = self._row_of_message[self.submessages.message]
+        ways = 2 * self.links[rows] + self.to_agent[rows]
+        parts = contents.contents(self.submessages, self.samples, ways)
+        return contents.joined_contents(parts, self.first_events, self.event_counts)
+
+    @property
+    def last_time(self) -> int:
+        """When the last thing happens: a transmission that does not arrive, or the last arrival of another one."""
+        some = self.counts > 0
+        times = self.sent.copy()
+        times[some] = self.arrivals[(self.first_arrivals + self.counts)[some] - 1, 0]
+        return int(times.max()) if len(times) else 0
+
+    def having(self, rows: Numbers, *kinds: SubmessageKind) -> Flags:
+        """Which of some rows have a submessage of one of these kinds."""
+        found: Flags = self.kinds[rows] & sum(_BITS[kind] for kind in kinds) != 0
+        return found
+
+    def wants_answer(self, rows: Numbers) -> Flags:
+        """Which of some rows a receiver that is awake answers: messages with a number that is acknowledged, and
+        HEARTBEATs."""
+        return self.is_reliable[rows] | self.having(rows, SubmessageKind.HEARTBEAT)
+
+    def rows(
+        self, link: int | None = None, to_agent: bool | None = None, kinds: Iterable[SubmessageKind] = ()
+    ) -> Numbers:
+        """Those of a link, of a way, with a submessage of one of these kinds; without any of all."""
+        rows = np.arange(len(self)) if link is None else self.of_link(link)
+        if to_agent is not None:
+            rows = rows[self.to_agent[rows] == to_agent]
+        return rows[self.having(rows, *kinds)] if kinds else rows
 
     def where(
         self,
@@ -74,44 +149,33 @@ class PackedTransmissions(Sequence[Transmission]):
         kinds: frozenset[SubmessageKind] | None = None,
     ) -> Iterator[Transmission]:
         """Those of a link, of a way, with a submessage of one of these kinds."""
-        chosen = np.ones(len(self), np.bool_)
-        if link is not None:
-            chosen &= np.asarray(self.links) == link
-        if to_agent is not None:
-            chosen &= np.asarray(self.to_agent) == to_agent
-        if kinds is not None:
-            having = [not kinds.isdisjoint(own) for own, _ in self._by_number]
-            chosen &= np.array([*having, False], np.bool_)[np.asarray(self._shape)]
-        for first in range(0, len(chosen), _FEW):
-            for row in np.flatnonzero(chosen[first : first + _FEW]).tolist():
-                yield _PackedTransmission(self, first + row)
+        rows = self.rows(link, to_agent, kinds or ())
+        for first in range(0, len(rows), _FEW):
+            for row in rows[first : first + _FEW].tolist():
+                yield _PackedTransmission(self, row)
 
-    def shape(self, row: int) -> _Shape:
-        """The kinds of its submessages, and whether its number is acknowledged."""
-        return self._by_number[self._shape[row]]
-
-    def arrivals(self, row: int) -> tuple[TransmissionArrival, ...] | None:
-        if self._unseen[row]:
+    def arrivals_of(self, row: int) -> tuple[TransmissionArrival, ...] | None:
+        if not self.is_observed[row]:
             return None
-        numbers, first, top = self._arrivals, self.first_arrivals[row], self.first_arrivals[row + 1]
-        if top == first + 1:  # as most have
-            return (TransmissionArrival(numbers[2 * first], numbers[2 * first + 1]),)
-        return tuple([TransmissionArrival(numbers[2 * n], numbers[2 * n + 1]) for n in range(first, top)])
+        first = int(self.first_arrivals[row])
+        places = self.arrivals[first : first + int(self.counts[row])].tolist()
+        return tuple([TransmissionArrival(time, packet) for time, packet in places])
 
-    def arrived(self, row: int) -> int:
-        first = self.first_arrivals[row]
-        return self.sent[row] if first == self.first_arrivals[row + 1] else self._arrivals[2 * first]
+    def events_of(self, row: int) -> tuple[SubmessageEvent, ...]:
+        first = int(self.first_events[row])
+        return tuple(events(self.submessages, self._endpoints, np.arange(first, first + int(self.event_counts[row]))))
 
-    def is_observed(self, row: int) -> bool:
-        return not self._unseen[row]
 
-    def is_lost(self, row: int) -> bool:
-        return not self._unseen[row] and self.first_arrivals[row] == self.first_arrivals[row + 1]
+def _bits_of(kinds: Column) -> Column:
+    table = np.zeros(257, np.int32)
+    for kind, bit in _BITS.items():
+        table[-1 if kind is None else kind] = bit
+    return table[kinds]
 
-    def events(self, row: int) -> tuple[SubmessageEvent, ...]:
-        time, packet, to_agent = self.sent[row], self.packets[row], self.to_agent[row] != 0
-        numbers = range(self.first_events[row], self.first_events[row + 1])
-        return tuple([self._events.event(number, packet, time, to_agent) for number in numbers])
+
+@cache
+def _kinds_of(bits: int) -> frozenset[SubmessageKind | None]:
+    return frozenset(kind for kind, bit in _BITS.items() if bits & bit)
 
 
 class _PackedTransmission:
@@ -124,144 +188,50 @@ class _PackedTransmission:
 
     @property
     def link(self) -> int:
-        return self._table.links[self._row]
+        return int(self._table.links[self._row])
 
     @property
     def to_agent(self) -> bool:
-        return self._table.to_agent[self._row] != 0
+        return bool(self._table.to_agent[self._row])
 
     @property
     def sent(self) -> int:
-        return self._table.sent[self._row]
+        return int(self._table.sent[self._row])
 
     @property
     def packet(self) -> int:
-        return self._table.packets[self._row]
+        return int(self._table.packets[self._row])
 
     @property
     def arrivals(self) -> tuple[TransmissionArrival, ...] | None:
-        return self._table.arrivals(self._row)
+        return self._table.arrivals_of(self._row)
 
     @property
     def events(self) -> tuple[SubmessageEvent, ...]:
-        return self._table.events(self._row)
+        return self._table.events_of(self._row)
 
     @property
     def kinds(self) -> frozenset[SubmessageKind | None]:
-        return self._table.shape(self._row)[0]
+        return _kinds_of(int(self._table.kinds[self._row]))
 
     @property
     def is_reliable(self) -> bool:
-        return self._table.shape(self._row)[1]
+        return bool(self._table.is_reliable[self._row])
 
     @property
     def is_observed(self) -> bool:
-        return self._table.is_observed(self._row)
+        return bool(self._table.is_observed[self._row])
 
     @property
     def is_lost(self) -> bool:
-        return self._table.is_lost(self._row)
+        return bool(self._table.is_lost[self._row])
 
     @property
     def arrived(self) -> int:
-        return self._table.arrived(self._row)
+        return int(self._table.arrived[self._row])
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _PackedTransmission) and (self._row, self._table) == (other._row, other._table)
 
     def __hash__(self) -> int:
         return hash((self._row, id(self._table)))
-
-
-@dataclass(frozen=True, slots=True)
-class _Head:
-    """What many submessages have in common."""
-
-    place: int
-    client: Endpoint | None
-    agent: Endpoint | None
-    kind: SubmessageKind | None
-    session: int | None
-    stream: int | None
-    said: tuple[Value, ...]
-
-
-class _SubmessageColumns:
-    """Submessages. Of the kinds that come in masses all is in columns, of others the fields are held as they are."""
-
-    def __init__(self) -> None:
-        self._heads: dict[_Head, int] = {}
-        self._by_number: list[_Head] = []
-        self._head, self._sequence = array("i"), array("i")
-        self._one, self._other, self._request = array("q"), array("q"), array("i")
-        self._octets = bytearray()
-        self._rare: dict[int, tuple[Mapping[str, Value], str]] = {}
-
-    def __len__(self) -> int:
-        return len(self._head)
-
-    def add(self, event: SubmessageEvent) -> None:
-        fields = event.fields
-        said: tuple[Value, ...] = ()
-        one = other = request = 0
-        match event.kind:
-            case SubmessageKind.ACKNACK:
-                first, missing = fields["first"], fields["missing"]
-                assert isinstance(first, int)
-                assert isinstance(missing, list)
-                said, one = (fields["subject"],), first
-                other = sum(1 << (number - first) % 65536 for number in missing)
-            case SubmessageKind.HEARTBEAT:
-                first, last = fields["first"], fields["last"]
-                assert isinstance(first, int)
-                assert isinstance(last, int)
-                said, one, other = (fields["subject"],), first, last
-            case SubmessageKind.WRITE_DATA | SubmessageKind.DATA:
-                said, request = (fields["object"], fields["format"]), int(str(fields["request"]))
-                one = len(self._octets)
-                self._octets += bytes.fromhex(str(fields["sample"]))
-                other = len(self._octets)
-            case _:
-                self._rare[len(self._head)] = fields, event.problem
-        head = _Head(event.place, event.client, event.agent, event.kind, event.session, event.stream, said)
-        number = self._heads.get(head)
-        if number is None:
-            number = self._heads[head] = len(self._by_number)
-            self._by_number.append(head)
-        self._head.append(number)
-        self._sequence.append(_NONE if event.sequence is None else event.sequence)
-        self._one.append(one)
-        self._other.append(other)
-        self._request.append(request)
-
-    def event(self, number: int, packet: int, time: int, to_agent: bool) -> SubmessageEvent:
-        head, sequence = self._by_number[self._head[number]], self._sequence[number]
-        problem = ""
-        if number in self._rare:
-            fields, problem = self._rare[number]
-        else:
-            fields = self._fields(head, self._one[number], self._other[number], self._request[number])
-        return SubmessageEvent(
-            packet,
-            head.place,
-            time,
-            head.client,
-            head.agent,
-            to_agent,
-            head.kind,
-            head.session,
-            head.stream,
-            None if sequence == _NONE else sequence,
-            fields,
-            problem,
-        )
-
-    def _fields(self, head: _Head, one: int, other: int, request: int) -> dict[str, Value]:
-        if head.kind is SubmessageKind.ACKNACK:
-            missing = [(one + bit) % 65536 for bit in range(16) if other >> bit & 1] if other else []
-            return {"subject": head.said[0], "first": one, "missing": missing}
-        if head.kind is SubmessageKind.HEARTBEAT:
-            return {"subject": head.said[0], "first": one, "last": other}
-        about, form = head.said
-        sample = self._octets[one:other].hex()
-        return {"request": request, "object": about, "format": form, "sample": sample}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from typing import BinaryIO, Final
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,8 @@ from tachk.base.records import dataclass
 
 Octets = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
+Column = NDArray[Any]
+"""Numbers, often in fewer bytes, or truth values."""
 
 
 class CaptureError(Exception):

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import BinaryIO, Final
 
 import numpy as np
 
-from tachk.base.records import dataclass, replace
+from tachk.base.records import dataclass
 from tachk.xrce.capture_decoder import CaptureDecoder
 from tachk.xrce.datagrams import Datagrams, Flags, datagrams
 from tachk.xrce.events import DEFAULT_PORT, SubmessageEvent, events
+from tachk.xrce.joined_submessages import joined
 from tachk.xrce.legs import Leg, Legs, MessageColumns, with_ends
 from tachk.xrce.matching import matched
 from tachk.xrce.messages import Endpoint
@@ -49,7 +52,7 @@ class Capture:
 
     @cached_property
     def end(self) -> int:
-        return max((t.arrivals[-1].time if t.arrivals else t.sent for t in self.transmissions), default=0)
+        return self.transmissions.last_time
 
 
 def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
@@ -63,7 +66,7 @@ def read_transmissions(path: Path, ports: Iterable[int] = ()) -> Capture:
     Raises CaptureError for what is not a capture, OSError for a file that cannot be read.
     """
     found = open_transmissions(path, ports)
-    return Capture(found.links, PackedTransmissions(found), found.problem)
+    return Capture(found.links, found.packed(), found.problem)
 
 
 def open_transmissions(path: Path, ports: Iterable[int] = ()) -> Transmissions:
@@ -84,15 +87,14 @@ def _of_network(path: Path, ports: set[int]) -> Transmissions:
         for piece in decoder.pieces():
             legs.add(piece, decoder.endpoints, frozenset())
 
-    def again(wanted: Flags) -> Iterator[_NumberedEvents]:
+    def again() -> Iterator[NumberedPiece]:
         with path.open("rb") as stream:
             decoder = CaptureDecoder(stream, ports)
             first = 0
             for piece in decoder.pieces():
                 known = with_ends(piece)
-                numbers = np.where(known, np.cumsum(known) - 1 + first, -1)
+                yield NumberedPiece(piece, decoder.endpoints, np.where(known, np.cumsum(known) - 1 + first, -1))
                 first += int(known.sum())
-                yield from _numbered_events(piece, decoder.endpoints, numbers, wanted)
 
     return _together(legs.all(), decoder.problem, legs.messages, again)
 
@@ -100,45 +102,39 @@ def _of_network(path: Path, ports: set[int]) -> Transmissions:
 def _of_serial_line(path: Path) -> Transmissions:
     """Whose times may be those of reading, so that it is read once."""
     legs = Legs()
-    held: list[_NumberedEvents] = []
+    held: list[NumberedPiece] = []
     with path.open("rb") as stream:
         decoder = SerialDecoder(stream, repair=repaired)
         for piece in decoder.pieces():
             numbers = legs.add(piece, decoder.endpoints, decoder.dropped)
-            held += _numbered_events(piece, decoder.endpoints, numbers, None)
-    found = _together(_on_one_line(legs.all()), decoder.problem, legs.messages, lambda wanted: iter(()))
-
-    def again(wanted: Flags) -> Iterator[_NumberedEvents]:
-        return (each for each in held if wanted[each[0]])
-
-    return replace(found, again=again)
+            held.append(NumberedPiece(piece, decoder.endpoints, numbers))
+    return _together(_on_one_line(legs.all()), decoder.problem, legs.messages, lambda: iter(held))
 
 
-_NumberedEvents = tuple[int, tuple[SubmessageEvent, ...]]
-"""The number of a message, and its submessages."""
+@dataclass(frozen=True, slots=True)
+class NumberedPiece:
+    """A piece of a capture.
 
-
-def _numbered_events(
-    piece: Submessages, endpoints: list[Endpoint], numbers: Numbers, wanted: Flags | None
-) -> Iterator[_NumberedEvents]:
-    """The messages of a piece with their submessages.
-
-    Args:
-        numbers: of the messages, -1 for those that are left out.
-        wanted: by number, whether a message is; None: all are.
+    Attributes:
+        endpoints: those of the messages, by number.
+        numbers: of each message its number in the capture, -1 for those that are left out.
     """
-    of_entry = numbers[piece.message]
-    chosen = of_entry >= 0 if wanted is None else (of_entry >= 0) & wanted[of_entry]
-    entries = np.flatnonzero(chosen)
-    number, inside = -1, list[SubmessageEvent]()
-    for each, event in zip(of_entry[entries].tolist(), events(piece, endpoints, entries), strict=True):
-        if each != number and inside:
-            yield number, tuple(inside)
-            inside = []
-        number = each
-        inside.append(event)
-    if inside:
-        yield number, tuple(inside)
+
+    found: Submessages
+    endpoints: list[Endpoint]
+    numbers: Numbers
+
+    def chosen(self, wanted: Flags) -> Flags:
+        """For each message whether it is wanted; ``wanted`` says so by number."""
+        return (self.numbers >= 0) & wanted[self.numbers]
+
+    def events(self, wanted: Flags) -> Iterator[tuple[int, tuple[SubmessageEvent, ...]]]:
+        """The numbers of messages that are wanted, and their submessages."""
+        entries = np.flatnonzero(self.chosen(wanted)[self.found.message])
+        numbers = self.numbers[self.found.message[entries]].tolist()
+        found = zip(numbers, events(self.found, self.endpoints, entries), strict=True)
+        for number, inside in groupby(found, itemgetter(0)):
+            yield number, tuple([event for _, event in inside])
 
 
 def _on_one_line(legs: list[Leg]) -> list[Leg]:
@@ -162,7 +158,7 @@ class Transmissions:
             arrivals it has; -1 if nobody looked.
         arrivals: of all of them, one behind the other: the times and the packets.
         messages: how many messages there are in the capture.
-        again: reads the messages once more, of which a column says whether they are wanted.
+        again: reads the messages once more.
     """
 
     links: tuple[Link, ...]
@@ -170,15 +166,14 @@ class Transmissions:
     rows: Numbers
     arrivals: Numbers
     messages: int
-    again: Callable[[Flags], Iterator[_NumberedEvents]]
+    again: Callable[[], Iterator[NumberedPiece]]
 
     def __len__(self) -> int:
         return len(self.rows)
 
     def __iter__(self) -> Iterator[ReadTransmission]:
-        wanted = np.zeros(self.messages, np.bool_)
-        wanted[self.rows[:, 0]] = True
-        read = self.again(wanted)
+        wanted = self._wanted()
+        read = (each for piece in self.again() for each in piece.events(wanted))
         early: dict[int, tuple[SubmessageEvent, ...]] = {}
         first = 0
         for number, link, to_agent, count in _rows(self.rows):
@@ -193,6 +188,25 @@ class Transmissions:
                 first += count
             yield ReadTransmission(link, to_agent != 0, inside[0].time, inside[0].packet, seen, inside)
 
+    def _wanted(self) -> Flags:
+        """By the number of a message, whether it is one of them."""
+        wanted = np.zeros(max(self.messages, 1), np.bool_)
+        wanted[self.rows[:, 0]] = True
+        return wanted
+
+    def packed(self) -> PackedTransmissions:
+        """All of them at once, as columns."""
+        wanted = self._wanted()
+        endpoints: list[Endpoint] = []
+
+        def pieces() -> Iterator[tuple[Submessages, Flags]]:
+            nonlocal endpoints
+            for piece in self.again():
+                endpoints = piece.endpoints
+                yield piece.found, piece.chosen(wanted)
+
+        return PackedTransmissions(self.rows, self.arrivals, joined(pieces()), endpoints)
+
 
 def _rows(rows: Numbers) -> Iterator[list[int]]:
     """Some thousand at a time become Python's numbers."""
@@ -201,7 +215,7 @@ def _rows(rows: Numbers) -> Iterator[list[int]]:
 
 
 def _together(
-    legs: Sequence[Leg], problem: str, messages: int, again: Callable[[Flags], Iterator[_NumberedEvents]]
+    legs: Sequence[Leg], problem: str, messages: int, again: Callable[[], Iterator[NumberedPiece]]
 ) -> Transmissions:
     left = list(legs)
     links: list[Link] = []
@@ -293,15 +307,11 @@ def session_ports(stream: BinaryIO) -> set[int]:
 
 
 def _created(found: Datagrams) -> set[int]:
-    ports = set()
-    for start, size, port in zip(
-        found.starts.tolist(), found.sizes.tolist(), found.destination_ports.tolist(), strict=True
-    ):
-        if port in ports or size < 20:
-            continue
-        octets = found.octets[start : start + 20].tobytes()
-        if any(
-            octets[at] == SubmessageKind.CREATE_CLIENT and octets[at + 4 : at + 8] == COOKIE for at in (4, 6, 8, 10)
-        ):
-            ports.add(port)
+    ports = set[int]()
+    begin, long_enough = found.starts, found.sizes >= 20
+    for header in (4, 6, 8, 10):  # without and with a key, by UDP and by TCP
+        created = long_enough & (found.octets.take(begin + header, mode="clip") == SubmessageKind.CREATE_CLIENT)
+        for number, octet in enumerate(COOKIE, header + 4):
+            created &= found.octets.take(begin + number, mode="clip") == octet
+        ports |= set(found.destination_ports[created].tolist())
     return ports

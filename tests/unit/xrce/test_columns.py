@@ -6,10 +6,11 @@ from pathlib import Path
 from random import Random
 from statistics import median
 
+import numpy as np
 import pytest
 
 from tachk.xrce.conformance.packet_events import read_capture
-from tachk.xrce.legs import Leg
+from tachk.xrce.legs import MessageColumns, digests
 from tachk.xrce.matching import _equal_ones, matched
 from tachk.xrce.measuring.quantity import (
     Confidence,
@@ -19,10 +20,9 @@ from tachk.xrce.measuring.quantity import (
     Quantity,
     QuantityUnit,
     gathered,
+    packed_groups,
     seen,
-    values_of,
 )
-from tachk.xrce.messages import Endpoint
 from tachk.xrce.transmissions import open_transmissions, read_transmissions
 from tachk.xrce.wire import SubmessageKind
 
@@ -62,51 +62,73 @@ def test_parts_of_a_recording_are_its_events() -> None:
     assert events == tuple(listed)
 
 
-def observations(count: int) -> list[Observation]:
-    random = Random(count)
-    return [
-        Observation(
-            random.choice((random.random(), random.randrange(9))),
-            tuple(PacketPlace(random.choice("ab"), random.randrange(99)) for _ in range(random.randrange(4))),
-        )
-        for _ in range(count)
-    ]
-
-
 @pytest.mark.parametrize("count", [0, 10, 999, 1000, 3000])
-def test_samples_are_what_was_observed(count: int) -> None:
-    found = observations(count)
-    samples = gathered(iter(found))
-    assert isinstance(samples, PackedSamples) == (count >= 1000)
+@pytest.mark.parametrize("whole", [True, False])
+def test_samples_are_what_was_observed(count: int, whole: bool) -> None:
+    random = Random(count)
+    found: list[Observation] = []
+    pieces: list[PackedSamples] = []
+    while len(found) < count:
+        file, size = random.choice("ab"), random.randrange(1, count - len(found) + 1)
+        values = [random.randrange(9) if whole else random.random() for _ in range(size)]
+        packets = [[random.randrange(99) for _ in range(random.randrange(4))] for _ in range(size)]
+        found += [
+            Observation(value, tuple(PacketPlace(file, each) for each in own))
+            for value, own in zip(values, packets, strict=True)
+        ]
+        together = np.array([each for own in packets for each in own], np.int64)
+        pieces.append(packed_groups(file, np.array(values), together, np.array(list(map(len, packets)))))
+    samples = gathered(pieces)
+    assert isinstance(samples, PackedSamples) == (max(count, sum(len(each.places) for each in found)) >= 1000)
     assert list(samples) == found
     assert [type(each.value) for each in samples] == [type(each.value) for each in found]
-    assert list(values_of(samples)) == [each.value for each in found]
     assert tuple(samples[3:9]) == tuple(found[3:9])
-    quantity = seen("n", "title", iter(found), "")
+    quantity = seen("n", "title", samples, "")
     plain = Quantity("n", "title", QuantityUnit.COUNT, tuple(found), None, Confidence.MEASURED, "")
-    assert quantity.value == (median(each.value for each in found) if found else None)
-    assert (quantity.minimum, quantity.maximum) == (plain.minimum, plain.maximum)
+    observed = [each.value for each in found]
+    assert quantity.value == quantity.median == plain.median == (median(observed) if found else None)
+    assert (quantity.minimum, quantity.maximum) == (min(observed, default=None), max(observed, default=None))
+    assert (plain.minimum, plain.maximum) == (quantity.minimum, quantity.maximum)
     assert quantity.first_places(6) == (plain.places[:6], len(plain.places))
+    some = np.array([random.random() < 0.3 for _ in range(count)], np.bool_)
+    chosen = PackedSamples.together(pieces).chosen(some)
+    assert list(chosen) == [each for each, wanted in zip(found, some, strict=True) if wanted]
 
 
-@pytest.mark.parametrize("seed", range(20))
+def columns(packets: list[int], contents: list[bytes]) -> MessageColumns:
+    numbers, sizes = np.array(packets, np.int64), np.array(list(map(len, contents)), np.int64)
+    said = digests(np.frombuffer(b"".join(contents), np.uint8), np.cumsum(sizes) - sizes, sizes)
+    return MessageColumns(numbers, numbers, 10 * numbers, said, numbers >= 0, numbers < 0)
+
+
+@pytest.mark.parametrize("seed", range(40))
 def test_messages_are_matched_content_by_content(seed: int) -> None:
     random = Random(seed)
-    here, there = Leg(Endpoint("c", 1), Endpoint("a", 1)), Leg(Endpoint("c", 2), Endpoint("a", 2))
-    contents: list[tuple[Leg, bytes]] = []
-    for packet in range(60):
-        leg, octets = random.choice((here, there)), bytes([random.randrange(12)])
-        leg.add(packet, packet, 10 * packet, True, False, octets)
-        contents.append((leg, octets))
-    before, behind = here.columns(), there.columns()
+    contents: list[tuple[bool, bytes]] = []
+    waiting: list[bytes] = []
+    for _ in range(60):
+        octets = bytes([random.randrange(12)])
+        if waiting and random.random() < 0.5:  # many come out one after the other
+            contents.append((False, waiting.pop(0)))
+            continue
+        here = seed % 2 == 1 or random.random() < 0.7
+        contents.append((here, octets))
+        waiting += [octets] if here else []
+    contents += [(False, octets) for octets in (waiting if seed % 4 == 1 else ())]
+    before, behind = (
+        columns(
+            [packet for packet, (side, _) in enumerate(contents) if side == here], [o for s, o in contents if s == here]
+        )
+        for here in (True, False)
+    )
     found = matched(before, behind)
-    pairs = {(int(before.packets[one]), int(behind.packets[other])) for one, other in found.arrivals.tolist()}
+    pairs = [(int(before.packets[one]), int(behind.packets[other])) for one, other in found.arrivals.tolist()]
     expected: set[tuple[int, int]] = set()
     unsent: list[int] = []
     for octets in {each for _, each in contents}:
-        entered = [n for n, (leg, own) in enumerate(contents) if leg is here and own == octets]
-        left = [n for n, (leg, own) in enumerate(contents) if leg is there and own == octets]
+        entered = [n for n, (here, own) in enumerate(contents) if here and own == octets]
+        left = [n for n, (here, own) in enumerate(contents) if not here and own == octets]
         expected |= {(entered[one], left[other]) for one, other in _equal_ones(entered, left)} if entered else set()
         unsent += [] if entered else left
-    assert pairs == expected
+    assert pairs == sorted(expected)
     assert behind.packets[found.unsent].tolist() == sorted(unsent)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import struct
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,10 +14,8 @@ from click.testing import CliRunner
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
-from tachk.xrce.measuring.conversation import Moment, conversations
 from tachk.xrce.measuring.measure import Measurement, measure
 from tachk.xrce.measuring.quantity import Confidence, roundest
-from tachk.xrce.measuring.traffic import repairs
 from tachk.xrce.transmissions import read_transmissions
 from tests.unit.xrce.captures import CREATE_CLIENT, RECORDED, needs_recorded, pcap, udp
 
@@ -132,23 +129,6 @@ def test_a_line_that_was_recorded_twice_is_reported(tmp_path: Path):
     twice = sorted([*once, *((time + 1, packet) for time, packet in once)], key=lambda pair: pair[0])
     (problem,) = direct(tmp_path, *twice).problems
     assert "is there twice" in problem and problem.startswith("run.pcap: ")
-
-
-def test_repairs_look_at_the_moments_twice_however_many_acknacks_there_are(tmp_path: Path):
-    class Counted(tuple[Moment, ...]):
-        looks = 0
-
-        def __iter__(self):
-            self.looks += 1
-            return super().__iter__()
-
-    rows = [row for n in range(50) for row in ((20 * n, up(write(n))), (20 * n + 5, down(acknack(n + 1))))]
-    recording = read_transmissions(capture(tmp_path / "run.pcap", (0, up(CREATE_CLIENT)), *rows))
-    for conversation in conversations("run.pcap", recording):
-        counted = Counted(conversation.moments)
-        assert list(repairs(replace(conversation, moments=counted))) == list(repairs(conversation)) == []
-        assert counted.looks == 2
-    assert recording.end is recording.end
 
 
 def test_a_heartbeat_behind_a_message_says_nothing_of_the_period(tmp_path: Path):

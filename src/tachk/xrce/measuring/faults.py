@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
+import numpy as np
+
 from tachk.base.records import dataclass
-from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
-from tachk.xrce.transmission import Transmission
+from tachk.xrce.datagrams import Flags
+from tachk.xrce.measuring.conversation import MILLISECOND
+from tachk.xrce.measuring.quantity import Confidence, Quantity, QuantityUnit, gathered, packed_groups, seen
+from tachk.xrce.packed_transmissions import PackedTransmissions
+from tachk.xrce.packets import Numbers
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
-_MILLISECOND: Final = 1e6
-_OF_STREAMS: Final = frozenset({SubmessageKind.HEARTBEAT, SubmessageKind.ACKNACK})
+_OF_STREAMS: Final = (SubmessageKind.HEARTBEAT, SubmessageKind.ACKNACK)
 _FEWEST: Final = 3
 """So many messages have to be lost, or stay without an answer, at the end."""
 
@@ -27,78 +31,71 @@ class StreamStop:
     Attributes:
         link: the index of the link in its recording.
         to_agent: which way.
-        messages: how many, from the first to the last.
+        rows: which of the transmissions ``sent``, from the first to the last.
         is_unanswered: they may have arrived, but the Agent answers none of them.
     """
 
     link: int
     to_agent: bool
-    messages: tuple[Transmission, ...]
+    sent: PackedTransmissions
+    rows: Numbers
     is_unanswered: bool
 
+    @property
+    def length(self) -> float:
+        """Milliseconds from the first to the last."""
+        return int(self.sent.sent[self.rows[-1]] - self.sent.sent[self.rows[0]]) / MILLISECOND
 
-def stops(recording: Capture, is_expected: Callable[[Transmission], bool]) -> Iterator[StreamStop]:
+    @property
+    def packets(self) -> Numbers:
+        """The numbers of their packets."""
+        return self.sent.packets[self.rows]
+
+
+def stops(recording: Capture, is_expected: Flags) -> Iterator[StreamStop]:
     """The ways that stop for good.
 
     Args:
-        is_expected: whether a message cannot arrive, as its receiver sleeps.
+        is_expected: for each transmission whether it cannot arrive, as its receiver sleeps.
     """
+    sent = recording.transmissions
     for link in range(len(recording.links)):
         for to_agent in (True, False):
-            sent = recording.transmissions.where(link, to_agent)
-            ours = [one for one in sent if _is_of_streams(one) and not is_expected(one)]
-            lost = _tail(ours, lambda one: one.is_lost)
-            if _is_long(lost):
-                yield StreamStop(link, to_agent, lost, False)
+            rows = _of_streams(sent, link, to_agent)
+            ours = rows[~is_expected[rows]]
+            arrives = np.flatnonzero(~sent.is_lost[ours])
+            lost = ours[arrives[-1] + 1 :] if len(arrives) else ours
+            if _is_long(sent, lost):
+                yield StreamStop(link, to_agent, sent, lost, False)
             elif to_agent:
-                last = _last_answer(recording, link)
-                silent = tuple(one for one in ours if one.sent > last and _wants_answer(one))
-                if _is_long(silent):
-                    yield StreamStop(link, to_agent, silent, True)
+                answers = sent.sent[_of_streams(sent, link, to_agent=False)]
+                last = answers.max() if len(answers) else recording.begin
+                silent = ours[(sent.sent[ours] > last) & sent.wants_answer(ours)]
+                if _is_long(sent, silent):
+                    yield StreamStop(link, to_agent, sent, silent, True)
 
 
-def _tail(messages: Sequence[Transmission], belongs: Callable[[Transmission], bool]) -> tuple[Transmission, ...]:
-    first = len(messages)
-    while first and belongs(messages[first - 1]):
-        first -= 1
-    return tuple(messages[first:])
+def _is_long(sent: PackedTransmissions, rows: Numbers) -> bool:
+    return len(rows) >= _FEWEST and bool(sent.sent[rows[-1]] - sent.sent[rows[0]] >= _SHORTEST)
 
 
-def _is_long(found: Sequence[Transmission]) -> bool:
-    return len(found) >= _FEWEST and found[-1].sent - found[0].sent >= _SHORTEST
-
-
-def _last_answer(recording: Capture, link: int) -> int:
-    return max(
-        (one.sent for one in recording.transmissions.where(link, to_agent=False) if _is_of_streams(one)),
-        default=recording.begin,
-    )
-
-
-def _is_of_streams(one: Transmission) -> bool:
-    return one.is_reliable or not _OF_STREAMS.isdisjoint(one.kinds)
-
-
-def _wants_answer(one: Transmission) -> bool:
-    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
+def _of_streams(sent: PackedTransmissions, link: int, to_agent: bool) -> Numbers:
+    rows = sent.rows(link, to_agent)
+    return rows[sent.is_reliable[rows] | sent.having(rows, *_OF_STREAMS)]
 
 
 def stops_quantity(found: Sequence[tuple[str, StreamStop]]) -> Quantity:
     """The time to the end in which nothing came through."""
-    samples = [
-        Observation(
-            (stop.messages[-1].sent - stop.messages[0].sent) / _MILLISECOND,
-            tuple(PacketPlace(file, one.packet) for one in stop.messages),
-        )
-        for file, stop in found
-    ]
+    samples = gathered(
+        packed_groups(file, np.array([stop.length]), stop.packets, np.array([len(stop.rows)])) for file, stop in found
+    )
     name, title = "stopped", "at the end, nothing of a stream comes through one way"
     if not samples:
         return seen(name, title, (), "on every way something of the streams comes through in the end")
     ways = sorted({_words(stop) for _, stop in found})
-    longest = max(sample.value for sample in samples)
+    longest = max(stop.length for _, stop in found)
     how = f"the longest; {', '.join(ways)}"
-    return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(samples), longest, Confidence.MEASURED, how)
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, longest, Confidence.MEASURED, how)
 
 
 def _words(stop: StreamStop) -> str:

@@ -11,21 +11,27 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
-from itertools import pairwise
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tachk.base.records import dataclass
-from tachk.xrce.measuring.conversation import Beat, Came, Conversation, Moment, SentMessage
+from tachk.xrce.datagrams import Flags
+from tachk.xrce.measuring.conversation import MILLISECOND, Conversation, MomentKind, rows_of
 from tachk.xrce.measuring.quantity import (
     Confidence,
     Observation,
+    PackedSamples,
     PacketPlace,
     Quantity,
     QuantityUnit,
     punctual,
     roundest,
     seen,
+    values_of,
 )
+from tachk.xrce.packets import Numbers
 
 
 class HeartbeatLaw(StrEnum):
@@ -37,7 +43,6 @@ class HeartbeatLaw(StrEnum):
 USUAL_PERIOD: Final = 100.0
 """Milliseconds; UCLIENT_MIN_HEARTBEAT_TIME_INTERVAL of the client since 2.1. Assumed where no capture shows one."""
 
-_MILLISECOND: Final = 1e6
 _AT_ONCE: Final = 5.0
 """Milliseconds."""
 
@@ -90,50 +95,49 @@ class Starving:
 
 def waits(conversation: Conversation) -> Iterator[HeartbeatWait]:
     """The waits for all HEARTBEATs that a client sends about a stream."""
-    activity: Moment | None = None
-    anchor: Moment | None = None
+    kinds, unacknowledged = conversation.kinds, conversation.unacknowledged
+    sent, beats = kinds == MomentKind.SENT, kinds == MomentKind.HEARTBEAT
+    starts = beats | conversation.answers | (sent & (unacknowledged == 1) & ~conversation.again)
+    starts[np.flatnonzero(starts | sent)[:1]] = True
+    anchors = last_before(starts)
+    awaited = beats & (unacknowledged > 0) & ~_overdue(conversation)
+    moments = np.flatnonzero(beats)
     previous: float | None = None
-    for moment in conversation.moments:
-        match moment:
-            case Beat():
-                awaited = moment.unacknowledged and activity is not None and not _overdue(activity, moment)
-                if awaited and activity is not None and anchor is not None:
-                    places = tuple(dict.fromkeys(map(conversation.place, (anchor, activity, moment))))
-                    beat = _between(anchor, moment)
-                    yield HeartbeatWait(_between(activity, moment), beat, previous, places)
-                    previous = beat
-                activity = anchor = moment
-            case SentMessage():
-                activity = moment
-                if anchor is None or (moment.unacknowledged == 1 and not moment.again):
-                    anchor, previous = moment, None
-            case Came(first=first):
-                activity = moment
-                if first is not None:
-                    anchor, previous = moment, None
+    for moment, anchor, is_awaited in rows_of(moments, anchors[moments], awaited[moments]):
+        if anchor < 0:
+            continue
+        if kinds[anchor] != MomentKind.HEARTBEAT:
+            previous = None
+        if is_awaited:
+            places = tuple(dict.fromkeys(map(conversation.place, (anchor, moment - 1, moment))))
+            beat = conversation.wait(anchor, moment)
+            yield HeartbeatWait(conversation.wait(moment - 1, moment), beat, previous, places)
+            previous = beat
 
 
-def _overdue(activity: Moment, beat: Beat) -> bool:
-    """True if the timer had run out while the client was in no run function: then HEARTBEAT follows at once what the
-    next call sends first. Where nothing but that is unacknowledged, and HEARTBEAT does not follow at once but a tick
-    of the clock later, it is the first one of an old client."""
-    if not isinstance(activity, SentMessage) or _between(activity, beat) >= _AT_ONCE:
-        return False
-    return beat.unacknowledged > 1 or not _FIRST_OF_OLD[0] < _between(activity, beat) < _FIRST_OF_OLD[1]
+def last_before(which: Flags) -> Numbers:
+    """For each moment the last one before it where this is true; -1 without any."""
+    found = np.full(len(which), -1, np.int64)
+    found[1:] = np.maximum.accumulate(np.where(which, np.arange(len(which)), -1))[:-1]
+    return found
 
 
-def overdue(conversation: Conversation) -> Iterator[Observation]:
+def _overdue(conversation: Conversation) -> Flags:
+    """Which HEARTBEATs come when the timer had run out while the client was in no run function: then HEARTBEAT follows
+    at once what the next call sends first. Where nothing but that is unacknowledged, and HEARTBEAT does not follow at
+    once but a tick of the clock later, it is the first one of an old client."""
+    waited = np.diff(conversation.times) / MILLISECOND
+    first_of_old = (_FIRST_OF_OLD[0] < waited) & (waited < _FIRST_OF_OLD[1])
+    beats = (conversation.kinds[:-1] == MomentKind.SENT) & (conversation.kinds[1:] == MomentKind.HEARTBEAT)
+    found = np.zeros(len(conversation.times), np.bool_)
+    found[1:] = beats & (waited < _AT_ONCE) & ((conversation.unacknowledged[1:] > 1) | ~first_of_old)
+    return found
+
+
+def overdue(conversation: Conversation) -> PackedSamples:
     """From a message to the HEARTBEAT that follows it at once: the client was in no run function when it was due."""
-    before: Moment | None = None
-    for moment in conversation.moments:
-        if (
-            isinstance(moment, Beat)
-            and isinstance(before, SentMessage)
-            and moment.unacknowledged
-            and _overdue(before, moment)
-        ):
-            yield Observation(_between(before, moment), (conversation.place(before), conversation.place(moment)))
-        before = moment
+    moments = np.flatnonzero(_overdue(conversation) & (conversation.unacknowledged > 0))
+    return conversation.between(moments - 1, moments)
 
 
 def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
@@ -142,28 +146,35 @@ def starvings(conversation: Conversation, period: float) -> Iterator[Starving]:
 
     What lasts until the end of the capture is none: the client may have ended.
     """
-    start: Moment | None = None
-    inside: list[Moment] = []
-    for moment in conversation.moments:
-        answered = isinstance(moment, Came) and moment.first is not None
-        if start is not None and (isinstance(moment, Beat) or answered or moment.unacknowledged == 0):
-            times = [start.time, *(each.time for each in inside), moment.time]
-            length = (times[-1] - times[0]) / _MILLISECOND
-            if length > _CLEARLY * period:
-                gap = max(b - a for a, b in pairwise(times)) / _MILLISECOND
-                came = [each.time for each in inside if isinstance(each, Came) and each.first is None]
-                traffic = tuple((b - a) / _MILLISECOND for a, b in pairwise(came))
-                yield Starving(length, gap, traffic, (conversation.place(start), conversation.place(moment)))
-            start, inside = None, []
-        elif start is not None:
-            inside.append(moment)
-        if start is None and moment.unacknowledged:
-            start = moment
+    times, waiting = conversation.times, conversation.unacknowledged > 0
+    ends = ~waiting | (conversation.kinds == MomentKind.HEARTBEAT) | conversation.answers
+    starts = waiting & (ends | ~np.append(False, waiting[:-1]))
+    first, end = np.flatnonzero(starts), np.flatnonzero(ends)
+    following = np.searchsorted(end, first, side="right")
+    first, last = first[following < len(end)], end[following[following < len(end)]]
+    long = (times[last] - times[first]) / MILLISECOND > _CLEARLY * period
+    for start, moment in rows_of(first[long], last[long]):
+        gap = int(np.diff(times[start : moment + 1]).max()) / MILLISECOND
+        inside = slice(start + 1, moment)
+        came = (conversation.kinds[inside] == MomentKind.CAME) & ~conversation.answers[inside]
+        traffic = tuple((np.diff(times[inside][came]) / MILLISECOND).tolist())
+        places = conversation.place(start), conversation.place(moment)
+        yield Starving(conversation.wait(start, moment), gap, traffic, places)
 
 
 def client_law(found: Sequence[HeartbeatWait]) -> tuple[HeartbeatLaw | None, tuple[HeartbeatWait, ...], int]:
-    """The law that most HEARTBEATs follow that distinguish laws, those that do, and how many follow another one."""
-    votes = [(_vote(wait, found), wait) for wait in found]
+    """The law that most HEARTBEATs follow that distinguish laws, those that do, and how many follow another one.
+
+    Where several periods are possible, the usual one counts.
+    """
+    if not found:
+        return None, (), 0
+    rearmed, steady = min(each.activity for each in found), min(each.beat for each in found)
+    if any(_fits_usual(each.activity) for each in found):
+        rearmed = USUAL_PERIOD  # a packet that came just before a HEARTBEAT had not been read yet
+    if steady > rearmed * _CLEARLY and _is_near(rearmed, USUAL_PERIOD):
+        steady = rearmed
+    votes = [(_vote(wait, rearmed, steady), wait) for wait in found]
     counted = Counter(law for law, _ in votes if law is not None)
     if not counted:
         return None, (), 0
@@ -173,15 +184,10 @@ def client_law(found: Sequence[HeartbeatWait]) -> tuple[HeartbeatLaw | None, tup
     return law, tuple(wait for vote, wait in votes if vote is law), counted.total() - counted[law]
 
 
-def _vote(wait: HeartbeatWait, found: Sequence[HeartbeatWait]) -> HeartbeatLaw | None:
-    """The only law by which a HEARTBEAT comes on time. Where several periods are possible, the usual one counts."""
+def _vote(wait: HeartbeatWait, rearmed: float, steady: float) -> HeartbeatLaw | None:
+    """The only law by which a HEARTBEAT comes on time, if the period is one of these by the two laws."""
     if wait.previous and 1.8 < wait.beat / wait.previous < 2.2 and wait.activity == wait.beat:
         return HeartbeatLaw.DOUBLING
-    rearmed, steady = min(each.activity for each in found), min(each.beat for each in found)
-    if any(_fits_usual(each.activity) for each in found):
-        rearmed = USUAL_PERIOD  # a packet that came just before a HEARTBEAT had not been read yet
-    if steady > rearmed * _CLEARLY and _is_near(rearmed, USUAL_PERIOD):
-        steady = rearmed
     by_activity, by_beat = _is_near(wait.activity, rearmed), _is_near(wait.beat, steady)
     if by_activity == by_beat:
         return None
@@ -234,7 +240,7 @@ def client_period(found: Sequence[HeartbeatWait], law: HeartbeatLaw | None) -> Q
         how = f"the usual period, which {len(fitting)} of {len(since)} fit"
         confidence = Confidence.MEASURED if len(fitting) > 1 else Confidence.ONE_SAMPLE
         return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), USUAL_PERIOD, confidence, how)
-    value = roundest(shortest - _TICK, max(_middle(prompt), shortest), len(prompt))
+    value = roundest(shortest - _TICK, max(_middle(values_of(prompt)), shortest), len(prompt))
     how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
     return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), value, confidence, how)
 
@@ -245,58 +251,50 @@ def _fits_usual(wait: float) -> bool:
     return 0.85 * USUAL_PERIOD < wait < 1.2 * USUAL_PERIOD
 
 
-def agent_rounds(conversation: Conversation) -> tuple[list[Observation], list[Observation]]:
+def agent_rounds(conversation: Conversation) -> tuple[PackedSamples, PackedSamples]:
     """The times of the Agent's HEARTBEATs about a stream: between two with messages unacknowledged all the time, and
     from the first unacknowledged message to the first HEARTBEAT."""
-    between: list[Observation] = []
-    first: list[Observation] = []
-    anchor: Moment | None = None
-    for moment in conversation.moments:
-        if moment.unacknowledged == 0:
-            anchor = None
-        elif isinstance(moment, Beat):
-            if anchor is not None:
-                sample = Observation(_between(anchor, moment), (conversation.place(anchor), conversation.place(moment)))
-                (between if isinstance(anchor, Beat) else first).append(sample)
-            anchor = moment
-        elif anchor is None:
-            anchor = moment
+    waiting = conversation.unacknowledged > 0
+    beats = waiting & (conversation.kinds == MomentKind.HEARTBEAT)
+    anchors = last_before(beats | (waiting & ~np.append(False, waiting[:-1])))
+    moments = np.flatnonzero(beats & np.append(False, waiting[:-1]))
+    again = beats[anchors[moments]]
+    between, first = (conversation.between(anchors[chosen], chosen) for chosen in (moments[again], moments[~again]))
     return between, first
 
 
 _LEFT_OUT: Final = 2.5
 
 
-def agent_period(between: Sequence[Observation], first: Sequence[Observation]) -> tuple[Quantity, Quantity]:
+def agent_period(between: PackedSamples, first: PackedSamples) -> tuple[Quantity, Quantity]:
     """The period of the Agent's HEARTBEATs, and how long the first one waits: anything up to a period, because one
     thread goes round all clients, whatever they do."""
     name, title = "agent_heartbeat", "period of the Agent's HEARTBEATs"
     phase = seen(
         "agent_first_heartbeat",
         "from the first unacknowledged message to the Agent's HEARTBEAT",
-        first,
+        first.as_they_are(),
         "no HEARTBEAT of the Agent is the first after a message",
     )
     if not between:
         how = "the Agent sends no two HEARTBEATs with messages unacknowledged all the time between them"
         return seen(name, title, (), how), phase
-    middle = _middle(between)
-    between = [one for one in between if one.value < _LEFT_OUT * middle]
-    regular = [one for one in between if abs(one.value - middle) < middle / 10]
-    if 2 * len(regular) <= len(between):
-        how = f"only {len(regular)} of {len(between)} are near their median: something delays them"
-        return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(between), None, Confidence.BOUND, how), phase
-    middle = sorted(s.value for s in regular)[(len(regular) - 1) // 2]
-    value = roundest(min(s.value for s in regular), middle, len(regular))
-    how = f"the roundest number up to the median of the regular ones, {len(regular)} of {len(between)}"
+    waits = between.values
+    middle = _middle(waits)
+    between = between.chosen(waits < _LEFT_OUT * middle)
+    waits = between.values
+    regular = waits[np.abs(waits - middle) < middle / 10]
+    samples = between.as_they_are()
+    if 2 * len(regular) <= len(waits):
+        how = f"only {len(regular)} of {len(waits)} are near their median: something delays them"
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, None, Confidence.BOUND, how), phase
+    middle = np.sort(regular)[(len(regular) - 1) // 2].item()
+    value = roundest(regular.min().item(), middle, len(regular))
+    how = f"the roundest number up to the median of the regular ones, {len(regular)} of {len(waits)}"
     confidence = Confidence.MEASURED if len(regular) > 1 else Confidence.ONE_SAMPLE
-    return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(between), value, confidence, how), phase
+    return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, value, confidence, how), phase
 
 
-def _middle(samples: Sequence[Observation]) -> float:
-    values = sorted(sample.value for sample in samples)
-    return values[len(values) // 2]
-
-
-def _between(earlier: Moment, later: Moment) -> float:
-    return (later.time - earlier.time) / _MILLISECOND
+def _middle(waits: NDArray[np.float64]) -> float:
+    found: float = np.sort(waits)[len(waits) // 2].item()
+    return found

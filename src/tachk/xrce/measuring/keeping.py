@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+
+import numpy as np
 
 from tachk.base.records import dataclass
-from tachk.xrce.events import SubmessageEvent
+from tachk.xrce.measuring.conversation import MILLISECOND
 from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
-
-_MILLISECOND: Final = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,38 +34,27 @@ class LateRequest:
 
 def late_requests(recording: Capture) -> Iterator[LateRequest]:
     """The late requests of every client, as far as samples differ in their content."""
+    sent = recording.transmissions
+    written = sent.rows(to_agent=True, kinds=(SubmessageKind.WRITE_DATA,))
+    written = written[~sent.is_lost[written]]
     for link in range(len(recording.links)):
-        request = next(
-            recording.transmissions.where(link, kinds=frozenset({SubmessageKind.READ_DATA})),
-            None,
-        )
+        request = next(sent.where(link, kinds=frozenset({SubmessageKind.READ_DATA})), None)
         if request is None:
             continue
-        before: dict[str, int] = {}
-        for one in recording.transmissions.where(to_agent=True, kinds=frozenset({SubmessageKind.WRITE_DATA})):
-            if one.arrived >= request.sent or one.is_lost:
-                continue
-            for event in _of(one.events, SubmessageKind.WRITE_DATA):
-                before.setdefault(str(event.fields["sample"]), one.arrived)
-        if not before:
+        before, owners = sent.samples_of(written[sent.arrived[written] < request.sent], SubmessageKind.WRITE_DATA)
+        if not len(before):
             continue
-        got = {
-            str(event.fields["sample"])
-            for one in recording.transmissions.where(link, to_agent=False, kinds=frozenset({SubmessageKind.DATA}))
-            if one.sent >= request.sent
-            for event in _of(one.events, SubmessageKind.DATA)
-        }
-        delivered = len(got & set(before))
+        handed = sent.rows(link, to_agent=False, kinds=(SubmessageKind.DATA,))
+        got, _ = sent.samples_of(handed[sent.sent[handed] >= request.sent], SubmessageKind.DATA)
+        different, first = np.unique(before, return_index=True)
+        delivered = int(np.isin(different, got).sum())
         if delivered:
-            waited = (request.sent - min(before.values())) / _MILLISECOND
-            wanted = _of(request.events, SubmessageKind.READ_DATA)[0].fields["max_samples"]
+            waited = (request.sent - int(sent.arrived[owners[first]].min())) / MILLISECOND
+            detail = next(event for event in request.events if event.kind is SubmessageKind.READ_DATA)
+            wanted = detail.fields["max_samples"]
             yield LateRequest(
-                len(before), delivered, waited, request.packet, wanted if isinstance(wanted, int) else None
+                len(different), delivered, waited, request.packet, wanted if isinstance(wanted, int) else None
             )
-
-
-def _of(events: Sequence[SubmessageEvent], kind: SubmessageKind) -> list[SubmessageEvent]:
-    return [event for event in events if event.kind is kind]
 
 
 def retained_samples(found: Sequence[tuple[str, LateRequest]]) -> Quantity:

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import chain
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from tachk.base.arguments import checked_arguments
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.frames import data_frame
 from tachk.base.notebook import folded, html_table
 from tachk.base.records import dataclass, replace
+from tachk.xrce.datagrams import Flags
 from tachk.xrce.measuring import faults, heartbeats, keeping, sleeps, traffic
-from tachk.xrce.measuring.conversation import Beat, Conversation, SentMessage, conversations
+from tachk.xrce.measuring.conversation import Conversation, MomentKind, conversations, rows_of
 from tachk.xrce.measuring.heartbeats import USUAL_PERIOD, HeartbeatLaw, Starving
 from tachk.xrce.measuring.input_windows import input_history, unanswered
-from tachk.xrce.measuring.quantity import Confidence, Observation, Quantity, QuantityUnit, seen
+from tachk.xrce.measuring.quantity import (
+    Confidence,
+    Observation,
+    PackedSamples,
+    Quantity,
+    QuantityUnit,
+    gathered,
+    seen,
+)
 from tachk.xrce.measuring.recorded_settings import SettingsEvidence, recorded_settings
 from tachk.xrce.measuring.settings import LinkDirection, Setting, SettingsFindings, settings
-from tachk.xrce.packets import CaptureError
-from tachk.xrce.transmission import Transmission
+from tachk.xrce.packed_transmissions import PackedTransmissions
+from tachk.xrce.packets import CaptureError, Numbers
 from tachk.xrce.transmissions import Capture, read_transmissions
 from tachk.xrce.wire import SubmessageKind
 
@@ -179,9 +188,8 @@ class _Measuring:
         chosen = settings(findings)
         by_name = {setting.name: setting for setting in chosen}
         not_received = sum(
-            any(name == file and sleep.covers(one) for name, sleep in asleep) and bool(one.arrivals)
-            for file, recording in (self.recordings if asleep else ())
-            for one in recording.transmissions
+            int((self._asleep(file, recording, asleep) & (recording.transmissions.counts > 0)).sum())
+            for file, recording in self.recordings
         )
         clients = max(len(recording.links) for _, recording in self.recordings)
         not_received += sum(unanswered(recording) for _, recording in self.recordings)
@@ -193,39 +201,30 @@ class _Measuring:
         return Measurement(files, quantities, chosen, recorded, problems)
 
     def _samples(self) -> int:
-        kinds = frozenset({SubmessageKind.WRITE_DATA, SubmessageKind.DATA})
-        return max(
-            len(
-                {
-                    str(event.fields["sample"])
-                    for one in recording.transmissions.where(kinds=kinds)
-                    for event in one.events
-                    if event.kind in kinds
-                }
-            )
-            for _, recording in self.recordings
-        )
+        kinds = SubmessageKind.WRITE_DATA, SubmessageKind.DATA
+        found = [recording.transmissions for _, recording in self.recordings]
+        return max(len(np.unique(sent.samples_of(sent.rows(kinds=kinds), *kinds)[0])) for sent in found)
 
     def _longest(self) -> int:
         everybody = [*self.of_clients, *(conversation for conversation, _ in self.of_agents)]
-        numbers = (moment.number for c in everybody for moment in c.moments if isinstance(moment, SentMessage))
-        rest = (one for _, recording in self.recordings for one in recording.transmissions if not one.is_reliable)
-        events = (event for one in rest for event in one.events if event.is_best_effort)
-        others = (event.sequence for event in events if event.sequence is not None)
-        return max(chain(numbers, others), default=0) + 1
+        numbers = [c.numbers[c.kinds == MomentKind.SENT] for c in everybody]
+        for _, recording in self.recordings:
+            sent = recording.transmissions
+            numbers.append(sent.sequence[(sent.stream > 0) & ~sent.is_reliable])
+        return int(max((each.max() for each in numbers if len(each)), default=0)) + 1
 
     def _rounds(self) -> list[int]:
         """The times at which Agents sent HEARTBEATs."""
-        found = (m.time for c, _ in self.of_agents for m in c.moments if isinstance(m, Beat))
+        found = (time for c, _ in self.of_agents for time in c.times[c.kinds == MomentKind.HEARTBEAT].tolist())
         return sorted(found) if len(self.recordings) == 1 else []
 
     def _publisher(self) -> tuple[int, Quantity]:
         """The number of samples of the client that waits longest for an ACKNACK, and its pace."""
-        writers = [conversation for conversation in self.of_clients if traffic.writes(conversation)]
+        writers = [conversation for conversation in self.of_clients if len(traffic.writes(conversation))]
         if not writers:
             return 0, seen("pace", "", (), "")
         chosen = max(writers, key=traffic.longest_unacknowledged)
-        return len(traffic.writes(chosen)), seen("pace", "", traffic.paces(chosen), "")
+        return len(traffic.writes(chosen)), seen("pace", "", gathered([traffic.paces(chosen)]), "")
 
     def _client(self) -> tuple[HeartbeatLaw | None, Quantity, Quantity, list[Starving]]:
         found = [wait for conversation in self.of_clients for wait in heartbeats.waits(conversation)]
@@ -238,7 +237,8 @@ class _Measuring:
     def _agent(self) -> tuple[Quantity, Quantity]:
         rounds = [heartbeats.agent_rounds(conversation) for conversation, _ in self.of_agents]
         return heartbeats.agent_period(
-            [sample for between, _ in rounds for sample in between], [sample for _, first in rounds for sample in first]
+            PackedSamples.together([between for between, _ in rounds]),
+            PackedSamples.together([first for _, first in rounds]),
         )
 
     def _streams(self) -> Iterator[Quantity]:
@@ -258,7 +258,9 @@ class _Measuring:
 
     def _network(self) -> Iterator[Quantity]:
         for to_agent, way, words in ((True, "to_agent", "to the Agent"), (False, "to_client", "to clients")):
-            samples = [s for file, recording in self.recordings for s in traffic.losses(file, recording, to_agent)]
+            samples = gathered(
+                s for file, recording in self.recordings for s in traffic.losses(file, recording, to_agent)
+            )
             loss = seen(
                 f"loss_{way}", f"lost packets {words}, of each client", samples, _NO_RELAY, QuantityUnit.PERCENT
             )
@@ -279,28 +281,35 @@ class _Measuring:
             ),
             ("overtaking", overtaking, traffic.overtakings, QuantityUnit.MILLISECONDS, never),
         ):
-            observed = (sample for file, recording in self.recordings for sample in function(file, recording))
-            yield seen(name, title, observed, missing, unit)
+            observed = (samples for file, recording in self.recordings for samples in function(file, recording))
+            yield seen(name, title, gathered(observed), missing, unit)
 
     def _together(self, loss: Quantity, to_agent: bool) -> Quantity:
         """The loss with all packets counted together."""
-        ours = (one for _, recording in self.recordings for one in recording.transmissions.where(to_agent=to_agent))
-        known = Counter(one.is_lost for one in ours if one.is_observed)
+        known = lost = 0
+        for _, recording in self.recordings:
+            sent = recording.transmissions
+            rows = sent.rows(to_agent=to_agent)
+            known += int(sent.is_observed[rows].sum())
+            lost += int(sent.is_lost[rows].sum())
         if not known:
             return loss
-        lost = known[True]
-        how = f"{lost} of {known.total()} packets came to a relay and not out of it"
-        return replace(loss, value=100 * lost / known.total(), confidence=Confidence.MEASURED, how=how)
+        how = f"{lost} of {known} packets came to a relay and not out of it"
+        return replace(loss, value=100 * lost / known, confidence=Confidence.MEASURED, how=how)
+
+    @staticmethod
+    def _asleep(file: str, recording: Capture, found: Sequence[tuple[str, sleeps.Sleep]]) -> Flags:
+        """For each transmission of a capture whether it was sent to a client that slept."""
+        return sleeps.asleep(recording, [sleep for name, sleep in found if name == file])
 
     def _stops(
         self, file: str, recording: Capture, asleep: Sequence[tuple[str, sleeps.Sleep]]
     ) -> Iterator[faults.StreamStop]:
         """Ways that stop for good while both ends are awake."""
-        silent = [sleep for name, sleep in asleep if name == file]
-        return faults.stops(recording, lambda one: any(sleep.covers(one) for sleep in silent))
+        return faults.stops(recording, self._asleep(file, recording, asleep))
 
     def _way(self, file: str, stop: faults.StreamStop) -> LinkDirection:
-        writes = any(c.file == file and c.link == stop.link and traffic.writes(c) for c in self.of_clients)
+        writes = any(c.file == file and c.link == stop.link and len(traffic.writes(c)) for c in self.of_clients)
         return LinkDirection(writes, stop.to_agent)
 
     def _lost(
@@ -310,49 +319,52 @@ class _Measuring:
         None if that was not recorded."""
         if not any(link.relay for _, recording in self.recordings for link in recording.links):
             return None
-        return sum(
-            one.is_lost
-            and not any(name == file and sleep.covers(one) for name, sleep in asleep)
-            and not any(name == file and one in stop.messages for name, stop in stopped)
-            for file, recording in self.recordings
-            for one in recording.transmissions
-        )
+        count = 0
+        for file, recording in self.recordings:
+            lost = recording.transmissions.is_lost & ~self._asleep(file, recording, asleep)
+            for name, stop in stopped:
+                if name == file:
+                    lost[stop.rows] = False
+            count += int(lost.sum())
+        return count
 
 
 def _problems(recording: Capture) -> Iterator[str]:
     if recording.problem:
         yield recording.problem
     for number, link in enumerate(recording.links):
-        ours = list(recording.transmissions.where(number)) if link.relay is None else []
-        if len(ours) >= _ENOUGH and 2 * _twice(ours) > _NEARLY_ALL * len(ours):
+        ours = recording.transmissions.rows(number) if link.relay is None else np.zeros(0, np.int64)
+        if len(ours) >= _ENOUGH and 2 * _twice(recording.transmissions, ours) > _NEARLY_ALL * len(ours):
             yield (
                 f"nearly every message of {link.name} is there twice: the line was recorded at two places that "
                 "cannot be distinguished, so repetitions and times are wrong; cut out what was recorded at one of them"
             )
 
 
-def _twice(ours: Sequence[Transmission]) -> int:
+def _twice(sent: PackedTransmissions, ours: Numbers) -> int:
     """The number of messages shortly after an equal one of the same direction, each of which is counted once."""
-    open_: dict[tuple[bool, str], int] = {}
+    _, numbers, counts = np.unique(sent.contents[ours], return_inverse=True, return_counts=True)
+    ours = ours[counts[numbers] > 1]
+    open_: dict[int, int] = {}
     count = 0
-    for one in ours:
-        key = one.to_agent, str([(e.kind, e.stream, e.sequence, e.fields) for e in one.events])
-        if one.sent - open_.pop(key, one.sent - _SHORTLY) < _SHORTLY:
+    for content, time in rows_of(sent.contents[ours], sent.sent[ours]):
+        if time - open_.pop(content, time - _SHORTLY) < _SHORTLY:
             count += 1
         else:
-            open_[key] = one.sent
+            open_[content] = time
     return count
 
 
 def _created_again(recording: Capture) -> int:
     """The number of times that CREATE_CLIENT came to the Agent after messages of the client's streams."""
-    times: dict[int, int] = {}
-    for one in recording.transmissions.where(to_agent=True):
-        if one.is_reliable and not one.is_lost:
-            times.setdefault(one.link, one.arrived)
+    sent = recording.transmissions
+    rows = sent.rows(to_agent=True)
+    rows = rows[sent.is_reliable[rows] & ~sent.is_lost[rows]]
+    links, first = np.unique(sent.links[rows], return_index=True)
+    times = dict(zip(links.tolist(), sent.arrived[rows[first]].tolist(), strict=True))
     return sum(
         time > times[one.link]
-        for one in recording.transmissions.where(to_agent=True, kinds=frozenset({SubmessageKind.CREATE_CLIENT}))
+        for one in sent.where(to_agent=True, kinds=frozenset({SubmessageKind.CREATE_CLIENT}))
         if one.link in times
         for time in ([one.sent] if one.arrivals is None else [arrival.time for arrival in one.arrivals])
     )
@@ -362,10 +374,10 @@ def _of(
     name: str,
     title: str,
     found: Sequence[Conversation],
-    function: Callable[[Conversation], Iterator[Observation]],
+    function: Callable[[Conversation], PackedSamples],
     missing: str,
 ) -> Quantity:
-    return seen(name, title, (sample for conversation in found for sample in function(conversation)), missing)
+    return seen(name, title, gathered(map(function, found)), missing)
 
 
 def _run_slices(starved: Sequence[Starving], period: Quantity) -> tuple[Quantity, Quantity]:

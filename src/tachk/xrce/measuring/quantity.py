@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
-from itertools import chain, islice
-from statistics import median
-from typing import Final, overload
+from typing import Any, Final, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tachk.base.records import dataclass
+from tachk.xrce.joined_submessages import places_in
+from tachk.xrce.packets import Numbers
 
 
 class Confidence(StrEnum):
@@ -48,27 +48,28 @@ class Observation:
 
 
 _FEW: Final = 1000
-"""So many observations are held as they are."""
+"""So many observations, or packets that they came from, are held as they are."""
+
+_FILE: Final = 40
+"""So many bits of a number are the packet, those above the file."""
 
 
 class PackedSamples(Sequence[Observation]):
-    """Many observations, as columns of numbers."""
+    """Many observations, as columns of numbers.
 
-    def __init__(self, found: Iterable[Observation]) -> None:
-        self._values, self._whole = array("d"), bytearray()
-        self._files: dict[str, int] = {}
-        self._packets, self._first = array("q"), array("q", [0])
-        for each in found:
-            self._values.append(each.value)
-            self._whole.append(isinstance(each.value, int))
-            for place in each.places:
-                number = self._files.setdefault(place.file, len(self._files))
-                self._packets.append(number << _FILE | place.packet)
-            self._first.append(len(self._packets))
-        self._names = tuple(self._files)
+    Attributes:
+        values: what was observed; whole numbers or not.
+    """
+
+    def __init__(self, values: NDArray[Any], places: Numbers, first: Numbers, files: tuple[str, ...]) -> None:
+        """Args:
+        places: the packets of all of them, one behind the other, with the number of the file above.
+        first: where those of each begin, and the end.
+        """
+        self.values, self._places, self._first, self._files = values, places, first, files
 
     def __len__(self) -> int:
-        return len(self._values)
+        return len(self.values)
 
     @overload
     def __getitem__(self, number: int) -> Observation: ...
@@ -77,37 +78,72 @@ class PackedSamples(Sequence[Observation]):
     def __getitem__(self, number: int | slice) -> Observation | tuple[Observation, ...]:
         if isinstance(number, slice):
             return tuple(self[each] for each in range(len(self))[number])
-        place = range(len(self))[number]
-        packets = self._packets[self._first[place] : self._first[place + 1]]
-        places = tuple(PacketPlace(self._names[each >> _FILE], each & (1 << _FILE) - 1) for each in packets)
-        return Observation(self._value(place), places)
+        at = range(len(self))[number]
+        places = self._places[self._first[at] : self._first[at + 1]].tolist()
+        return Observation(
+            self.values[at].item(),
+            tuple([PacketPlace(self._files[each >> _FILE], each & (1 << _FILE) - 1) for each in places]),
+        )
 
-    def _value(self, place: int) -> float:
-        return int(self._values[place]) if self._whole[place] else self._values[place]
-
-    def values(self) -> Iterator[float]:
-        """Those of all of them."""
-        return map(self._value, range(len(self)))
+    def chosen(self, which: NDArray[np.bool_]) -> PackedSamples:
+        """Those where this is true."""
+        sizes = np.diff(self._first)[which]
+        places = self._places[places_in(self._first[:-1][which], sizes)]
+        return PackedSamples(self.values[which], places, np.append(0, np.cumsum(sizes)), self._files)
 
     def places(self) -> int:
         """The number of packets that they came from."""
-        return len(np.unique(np.frombuffer(self._packets, np.int64)))
+        return len(np.unique(self._places))
+
+    @staticmethod
+    def together(found: Sequence[PackedSamples]) -> PackedSamples:
+        """Those of all, one behind the other."""
+        files: dict[str, int] = {}
+        places, first, before = [np.zeros(0, np.int64)], [np.zeros(1, np.int64)], 0
+        for each in found:
+            numbers = np.array([files.setdefault(file, len(files)) for file in each._files], np.int64)
+            places.append(numbers[each._places >> _FILE] << _FILE | each._places & (1 << _FILE) - 1)
+            first.append(each._first[1:] + before)
+            before += len(each._places)
+        values = np.concatenate([each.values for each in found]) if found else np.zeros(0)
+        return PackedSamples(values, np.concatenate(places), np.concatenate(first), tuple(files))
+
+    def as_they_are(self) -> Sequence[Observation]:
+        """The observations themselves if they are few."""
+        return tuple(self) if max(len(self), len(self._places)) < _FEW else self
 
 
-_FILE: Final = 40
-"""So many bits of a number are the packet, those above the file."""
+def packed(file: str, values: NDArray[Any], *packets: Numbers) -> PackedSamples:
+    """Observations in one file, each of which came from as many packets."""
+    places = np.stack(packets, axis=1).ravel() if packets else np.zeros(0, np.int64)
+    return PackedSamples(values, places, np.arange(len(values) + 1) * len(packets), (file,))
 
 
-def gathered(found: Iterable[Observation]) -> Sequence[Observation]:
-    """The observations; many of them as columns."""
-    rest = iter(found)
-    first = tuple(islice(rest, _FEW))
-    return first if len(first) < _FEW else PackedSamples(chain(first, rest))
+def packed_groups(file: str, values: NDArray[Any], packets: Numbers, counts: Numbers) -> PackedSamples:
+    """Observations in one file, each of which came from so many of these packets."""
+    return PackedSamples(values, packets, np.append(0, np.cumsum(counts)), (file,))
 
 
-def values_of(samples: Sequence[Observation]) -> Iterator[float]:
+def gathered(found: Iterable[PackedSamples]) -> Sequence[Observation]:
+    """The observations together; few of them as they are."""
+    return PackedSamples.together(list(found)).as_they_are()
+
+
+def values_of(samples: Sequence[Observation]) -> NDArray[Any]:
     """What was observed."""
-    return samples.values() if isinstance(samples, PackedSamples) else (sample.value for sample in samples)
+    if isinstance(samples, PackedSamples):
+        return samples.values
+    return np.array([sample.value for sample in samples])
+
+
+def median_of(samples: Sequence[Observation]) -> float:
+    """The middle of what was observed; of two in the middle half their sum. There is something."""
+    values, half = values_of(samples), len(samples) // 2
+    if len(values) % 2:
+        found: float = np.partition(values, half)[half].item()
+        return found
+    low, high = np.partition(values, [half - 1, half])[half - 1 : half + 1].tolist()
+    return float((low + high) / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,15 +168,15 @@ class Quantity:
 
     @property
     def minimum(self) -> float | None:
-        return min(values_of(self.samples), default=None)
+        return values_of(self.samples).min().item() if self.samples else None
 
     @property
     def median(self) -> float | None:
-        return median(values_of(self.samples)) if self.samples else None
+        return median_of(self.samples) if self.samples else None
 
     @property
     def maximum(self) -> float | None:
-        return max(values_of(self.samples), default=None)
+        return values_of(self.samples).max().item() if self.samples else None
 
     @property
     def places(self) -> tuple[PacketPlace, ...]:
@@ -160,18 +196,17 @@ class Quantity:
 
 
 def seen(
-    name: str, title: str, samples: Iterable[Observation], missing: str, unit: QuantityUnit = QuantityUnit.MILLISECONDS
+    name: str, title: str, samples: Sequence[Observation], missing: str, unit: QuantityUnit = QuantityUnit.MILLISECONDS
 ) -> Quantity:
     """A quantity whose value is the median of the observations.
 
     Args:
         missing: what the captures would have to show, said where there is no sample.
     """
-    found = gathered(samples)
-    if not found:
+    if not samples:
         return Quantity(name, title, unit, (), None, Confidence.NOT_ENOUGH, missing)
-    confidence = Confidence.ONE_SAMPLE if len(found) == 1 else Confidence.MEASURED
-    return Quantity(name, title, unit, found, median(values_of(found)), confidence, "the median")
+    confidence = Confidence.ONE_SAMPLE if len(samples) == 1 else Confidence.MEASURED
+    return Quantity(name, title, unit, samples, median_of(samples), confidence, "the median")
 
 
 _LATENESS: Final = 0.04

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+import numpy as np
+
 from tachk.base.records import dataclass
+from tachk.xrce.datagrams import Flags
 from tachk.xrce.events import SubmessageEvent
-from tachk.xrce.measuring.conversation import Beat, Conversation
+from tachk.xrce.measuring.conversation import MILLISECOND, Conversation, MomentKind, rows_of
 from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, roundest, seen
-from tachk.xrce.transmission import Transmission
+from tachk.xrce.packed_transmissions import PackedTransmissions
+from tachk.xrce.packets import Numbers
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
-_MILLISECOND: Final = 1e6
 _SHORTEST_SLEEP: Final = 2e9
 """Nanoseconds; a shorter silence is an outage of the link."""
 
@@ -48,51 +50,57 @@ class Sleep:
     first: int
     waking: int | None
 
-    def covers(self, one: Transmission) -> bool:
-        """True if a message was sent to the client during this time."""
-        return one.link == self.link and not one.to_agent and self.begin <= one.sent <= self.end
+
+def asleep(recording: Capture, found: Sequence[Sleep]) -> Flags:
+    """For each transmission whether it was sent to a client that slept."""
+    sent = recording.transmissions
+    covered = np.zeros(len(sent), np.bool_)
+    for link in sorted({sleep.link for sleep in found}):
+        begins, ends = (
+            np.sort([getattr(sleep, end) for sleep in found if sleep.link == link]) for end in ("begin", "end")
+        )
+        rows = sent.rows(link, to_agent=False)
+        begun = np.searchsorted(begins, sent.sent[rows], side="right")
+        covered[rows] = begun > np.searchsorted(ends, sent.sent[rows])
+    return covered
 
 
 def sleeps(recording: Capture) -> Iterator[Sleep]:
     """The sleeping times of all clients, as far as their silence shows them."""
+    sent = recording.transmissions
     for link in range(len(recording.links)):
-        ours = list(recording.transmissions.where(link))
-        spoken = [one for one in ours if one.to_agent]
-        received = [one for one in ours if not one.to_agent]
-        for number, last in enumerate(spoken):
-            following = spoken[number + 1] if number + 1 < len(spoken) else None
-            found = _sleep(link, last, following, received, recording.end)
+        spoken = sent.rows(link, to_agent=True)
+        received = sent.rows(link, to_agent=False)
+        received = received[sent.wants_answer(received)]
+        received = received[np.argsort(sent.sent[received], kind="stable")]
+        until = np.append(sent.sent[spoken[1:]], recording.end)
+        for number in np.flatnonzero(until - sent.sent[spoken] >= _SHORTEST_SLEEP).tolist():
+            waking = int(spoken[number + 1]) if number + 1 < len(spoken) else None
+            found = _sleep(sent, int(spoken[number]), waking, received, int(until[number]))
             if found is not None:
                 yield found
 
 
-def _sleep(
-    link: int, last: Transmission, waking: Transmission | None, received: Sequence[Transmission], end: int
-) -> Sleep | None:
-    until = end if waking is None else waking.sent
-    if until - last.sent < _SHORTEST_SLEEP:
+def _sleep(sent: PackedTransmissions, last: int, waking: int | None, received: Numbers, until: int) -> Sleep | None:
+    """Args:
+    received: the rows of what wants an answer, in the order of times.
+    """
+    times = sent.sent[received]
+    rows = np.sort(received[np.searchsorted(times, sent.sent[last], side="right") : np.searchsorted(times, until)])
+    unanswered = rows[sent.is_lost[rows] | (until - sent.arrived[rows] > _AT_ONCE)]
+    if len(unanswered) < 2 or until - sent.sent[unanswered[0]] < _SHORTEST_SLEEP:
         return None
-    unanswered = [
-        one
-        for one in received
-        if last.sent < one.sent < until and _wants_answer(one) and (one.is_lost or until - one.arrived > _AT_ONCE)
-    ]
-    if len(unanswered) < 2 or until - unanswered[0].sent < _SHORTEST_SLEEP:
-        return None
-    begin = unanswered[0].sent
-    by_itself = waking is not None and not waking.kinds <= _ANSWERS
-    waking_packet = None if waking is None else waking.packet
-    return Sleep(link, begin, until, begin - last.sent, by_itself, unanswered[0].packet, waking_packet)
-
-
-def _wants_answer(one: Transmission) -> bool:
-    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
+    begin = int(sent.sent[unanswered[0]])
+    first, before = int(sent.packets[unanswered[0]]), begin - int(sent.sent[last])
+    if waking is None:
+        return Sleep(sent[last].link, begin, until, before, False, first, None)
+    return Sleep(sent[last].link, begin, until, before, not sent[waking].kinds <= _ANSWERS, first, sent[waking].packet)
 
 
 def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
     samples = tuple(
         Observation(
-            (sleep.end - sleep.begin) / _MILLISECOND,
+            (sleep.end - sleep.begin) / MILLISECOND,
             tuple(PacketPlace(file, packet) for packet in (sleep.first, sleep.waking) if packet is not None),
         )
         for file, sleep in found
@@ -102,7 +110,7 @@ def sleep_quantity(found: Sequence[tuple[str, Sleep]]) -> Quantity:
         return seen(name, title, (), "no client was silent for 2 s while packets were sent to it")
     _, longest = max(found, key=lambda pair: pair[1].end - pair[1].begin)
     length = longest.end - longest.begin
-    value = roundest(length / _MILLISECOND, (length + longest.before) / _MILLISECOND, 100)
+    value = roundest(length / MILLISECOND, (length + longest.before) / MILLISECOND, 100)
     how = "asleep or out of reach from the first packet without an answer to the next one of the client; the longest"
     confidence = Confidence.MEASURED if len(samples) > 1 else Confidence.ONE_SAMPLE
     return Quantity(name, title, QuantityUnit.MILLISECONDS, samples, value, confidence, how)
@@ -135,33 +143,35 @@ def _given_up(
     conversation: Conversation, recording: Capture, period: float
 ) -> Iterator[tuple[Observation, Observation]]:
     """Silences at the last HEARTBEAT and at the one that should have been next."""
-    received = _received(conversation, recording)
-    beats = [moment for moment in conversation.moments if isinstance(moment, Beat) and moment.unacknowledged]
-    for number, beat in enumerate(beats):
-        before = bisect_right(received, beat.time)
-        following = beats[number + 1].time if number + 1 < len(beats) else conversation.end
-        spoken = received[before] if before < len(received) else conversation.end
-        missed = min(following, spoken) - beat.time
-        last = received[before - 1] if before else beat.time
-        if missed > 3 * period * _MILLISECOND and beat.time - last > 10 * period * _MILLISECOND:
-            silence = (beat.time - last) / _MILLISECOND
-            place = (conversation.place(beat),)
-            yield Observation(silence, place), Observation(silence + period, place)
+    received, moments, before = _silences(conversation, recording)
+    beats = conversation.times[moments]
+    following = np.append(beats[1:], conversation.end)
+    spoken = np.append(received, conversation.end)[before]
+    missed = np.minimum(following, spoken) - beats
+    last = np.where(before > 0, np.append(received, 0)[before - 1], beats)
+    chosen = (missed > 3 * period * MILLISECOND) & (beats - last > 10 * period * MILLISECOND)
+    for moment, length in rows_of(moments[chosen], beats[chosen] - last[chosen]):
+        silence, place = length / MILLISECOND, (conversation.place(moment),)
+        yield Observation(silence, place), Observation(silence + period, place)
 
 
 def _longest_silence(conversation: Conversation, recording: Capture) -> Iterator[Observation]:
-    received = _received(conversation, recording)
-    for moment in conversation.moments:
-        if isinstance(moment, Beat) and moment.unacknowledged:
-            before = bisect_right(received, moment.time)
-            if before:
-                yield Observation((moment.time - received[before - 1]) / _MILLISECOND, (conversation.place(moment),))
+    received, moments, before = _silences(conversation, recording)
+    moments, before = moments[before > 0], before[before > 0]
+    if len(moments):
+        lengths = conversation.times[moments] - received[before - 1]
+        longest = int(np.argmax(lengths))
+        yield Observation(int(lengths[longest]) / MILLISECOND, (conversation.place(int(moments[longest])),))
 
 
-def _received(conversation: Conversation, recording: Capture) -> list[int]:
-    """The times at which packets of the client arrived at the Agent."""
-    sent = recording.transmissions.where(conversation.link, to_agent=True)
-    return sorted(one.arrived for one in sent if not one.is_lost)
+def _silences(conversation: Conversation, recording: Capture) -> tuple[Numbers, Numbers, Numbers]:
+    """The times at which packets of the client arrived at the Agent, the moments of HEARTBEATs with messages
+    unacknowledged, and how many of these times are not later than each of them."""
+    sent = recording.transmissions
+    rows = sent.rows(conversation.link, to_agent=True)
+    received = np.sort(sent.arrived[rows[~sent.is_lost[rows]]])
+    moments = np.flatnonzero((conversation.kinds == MomentKind.HEARTBEAT) & (conversation.unacknowledged > 0))
+    return received, moments, np.searchsorted(received, conversation.times[moments], side="right")
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,215 +5,229 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
-from hashlib import blake2b
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tachk.xrce.measuring.conversation import Came, Conversation, SentMessage
-from tachk.xrce.measuring.quantity import Confidence, Observation, PacketPlace, Quantity, QuantityUnit, seen
-from tachk.xrce.transmission import Transmission
+from tachk.xrce.datagrams import Flags
+from tachk.xrce.joined_submessages import places_in
+from tachk.xrce.measuring.conversation import MILLISECOND, Conversation, MomentKind, rows_of
+from tachk.xrce.measuring.quantity import (
+    Confidence,
+    Observation,
+    PackedSamples,
+    Quantity,
+    QuantityUnit,
+    gathered,
+    packed,
+    packed_groups,
+    seen,
+)
+from tachk.xrce.packed_transmissions import PackedTransmissions
+from tachk.xrce.packets import Numbers
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
-_MILLISECOND: Final = 1e6
-_NEVER: Final = 2**62
-_SAMPLES: Final = frozenset({SubmessageKind.WRITE_DATA, SubmessageKind.DATA})
+_SAMPLES: Final = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _SMALLEST_HISTORY: Final = 4
 _AT_ONCE: Final = 5e6
 """Nanoseconds within which a sender that has waited for room sends on."""
 
 
-def round_trips(conversation: Conversation) -> Iterator[Observation]:
+def round_trips(conversation: Conversation) -> PackedSamples:
     """From a message that is sent once to the first ACKNACK that says that it has arrived."""
-    repeated = {moment.number for moment in conversation.moments if isinstance(moment, SentMessage) and moment.again}
-    waiting: list[SentMessage] = []
-    for moment in conversation.moments:
-        if isinstance(moment, SentMessage) and moment.number not in repeated:
-            waiting.append(moment)
-        elif isinstance(moment, Came) and moment.first is not None:
-            for sent in [each for each in waiting if each.number < moment.first]:
-                waiting.remove(sent)
-                places = conversation.place(sent), conversation.place(moment)
-                yield Observation((moment.time - sent.time) / _MILLISECOND, places)
+    is_sent = conversation.kinds == MomentKind.SENT
+    repeated = np.isin(conversation.numbers, np.unique(conversation.numbers[is_sent & conversation.again]))
+    waiting: list[tuple[int, int]] = []
+    pairs = array("q")
+    moments = np.flatnonzero((is_sent & ~repeated) | conversation.answers)
+    for moment, answers, number in rows_of(moments, conversation.answers[moments], conversation.numbers[moments]):
+        if not answers:
+            waiting.append((number, moment))
+        elif waiting:
+            for sent, left in waiting:
+                if sent < number:
+                    pairs.extend((left, moment))
+            waiting = [each for each in waiting if each[0] >= number]
+    earlier, later = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
+    return conversation.between(earlier, later)
 
 
-def reactions(file: str, recording: Capture) -> Iterator[Observation]:
+def reactions(file: str, recording: Capture) -> Iterator[PackedSamples]:
     """From a message that comes to a client to its next ACKNACK: it answers everything."""
+    sent = recording.transmissions
     for link in range(len(recording.links)):
-        acknacks = frozenset({SubmessageKind.ACKNACK})
-        answers = list(recording.transmissions.where(link, to_agent=True, kinds=acknacks))
-        times = [one.sent for one in answers]
-        for one in recording.transmissions.where(link, to_agent=False):
-            arrivals = one.arrivals if _wants_answer(one) else None
-            if not arrivals:
-                continue
-            place = bisect_left(times, one.arrived)
-            if place < len(answers):
-                places = PacketPlace(file, arrivals[0].packet), PacketPlace(file, answers[place].packet)
-                yield Observation((times[place] - one.arrived) / _MILLISECOND, places)
+        answers = sent.rows(link, to_agent=True, kinds=(SubmessageKind.ACKNACK,))
+        times = sent.sent[answers].tolist()
+        rows = sent.rows(link, to_agent=False)
+        rows = rows[sent.wants_answer(rows) & (sent.counts[rows] > 0)]
+        arrived = sent.arrived[rows]
+        # Times may go back, and of those only this search gives the same place every time.
+        places = np.array([bisect_left(times, time) for time in arrived.tolist()], np.int64)
+        answered = places < len(answers)
+        rows, answer = rows[answered], answers[places[answered]]
+        waits = (sent.sent[answer] - arrived[answered]) / MILLISECOND
+        yield packed(file, waits, sent.arrivals[sent.first_arrivals[rows], 1], sent.packets[answer])
 
 
-def _wants_answer(one: Transmission) -> bool:
-    return one.is_reliable or SubmessageKind.HEARTBEAT in one.kinds
-
-
-def repairs(conversation: Conversation) -> Iterator[Observation]:
+def repairs(conversation: Conversation) -> PackedSamples:
     """From a message that is lost to its first arrival; without a recording behind the loss, from a message that is
     repeated to the ACKNACK that says that it has arrived."""
-    first: dict[int, SentMessage] = {}
-    unseen: dict[int, SentMessage] = {}
-    repeated = {each.number for each in conversation.moments if isinstance(each, SentMessage) and each.again}
-    for moment in conversation.moments:
-        if isinstance(moment, SentMessage):
-            if not moment.again and not moment.transmission.is_observed:
-                unseen[moment.number] = moment
-            elif not moment.again:
-                first.pop(moment.number, None)
-                if moment.transmission.is_lost:
-                    first[moment.number] = moment
-            elif moment.number in first and moment.transmission.arrivals:
-                lost = first.pop(moment.number)
-                places = conversation.place(lost), conversation.place(moment)
-                yield Observation((moment.transmission.arrived - lost.time) / _MILLISECOND, places)
-        elif isinstance(moment, Came) and moment.first is not None:
-            for number in [each for each in unseen if each < moment.first]:
-                sent = unseen.pop(number)
-                if number in repeated:
-                    places = conversation.place(sent), conversation.place(moment)
-                    yield Observation((moment.time - sent.time) / _MILLISECOND, places)
+    sent, numbers = conversation.transmissions, conversation.numbers
+    is_sent = conversation.kinds == MomentKind.SENT
+    repeated = set(numbers[is_sent & conversation.again].tolist())
+    unobserved = is_sent & ~sent.is_observed[conversation.rows]
+    once_lost = np.unique(numbers[is_sent & ~conversation.again & sent.is_lost[conversation.rows]])
+    chosen = unobserved | (is_sent & np.isin(numbers, once_lost)) | (conversation.answers & unobserved.any())
+    moments = np.flatnonzero(chosen)
+    rows = conversation.rows[moments]
+    lost: dict[int, int] = {}
+    unseen: dict[int, int] = {}
+    pairs, until = array("q"), array("q")
+    for moment, answers, number, again, hidden, is_lost, arrived in rows_of(
+        moments,
+        conversation.answers[moments],
+        numbers[moments],
+        conversation.again[moments],
+        unobserved[moments],
+        sent.is_lost[rows],
+        sent.arrived[rows],
+    ):
+        if answers:
+            for each in [each for each in unseen if each < number]:
+                left = unseen.pop(each)
+                if each in repeated:
+                    pairs.extend((left, moment))
+                    until.append(int(conversation.times[moment]))
+        elif not again and hidden:
+            unseen[number] = moment
+        elif not again:
+            lost.pop(number, None)
+            if is_lost:
+                lost[number] = moment
+        elif number in lost and not hidden and not is_lost:
+            pairs.extend((lost.pop(number), moment))
+            until.append(arrived)
+    earlier, later = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
+    waits = (np.frombuffer(until, np.int64) - conversation.times[earlier]) / MILLISECOND
+    return packed(conversation.file, waits, conversation.packets(earlier), conversation.packets(later))
 
 
-def paces(conversation: Conversation) -> Iterator[Observation]:
+def paces(conversation: Conversation) -> PackedSamples:
     """Between two samples that are written one after the other."""
-    for before, after in pairwise(writes(conversation)):
-        places = conversation.place(before), conversation.place(after)
-        yield Observation((after.time - before.time) / _MILLISECOND, places)
+    written = writes(conversation)
+    return conversation.between(written[:-1], written[1:])
 
 
-def writes(conversation: Conversation) -> list[SentMessage]:
-    """Messages with WRITE_DATA or DATA, each when it is sent first."""
-    return [
-        moment
-        for moment in conversation.moments
-        if isinstance(moment, SentMessage) and not moment.again and not _SAMPLES.isdisjoint(moment.transmission.kinds)
-    ]
+def writes(conversation: Conversation) -> Numbers:
+    """The moments of messages with WRITE_DATA or DATA, each when it is sent first."""
+    first = np.flatnonzero((conversation.kinds == MomentKind.SENT) & ~conversation.again)
+    return first[conversation.transmissions.having(conversation.rows[first], *_SAMPLES)]
 
 
 def longest_unacknowledged(conversation: Conversation) -> int:
     """For how long a sender had messages unacknowledged at a stretch, in nanoseconds."""
-    longest = 0
-    since: int | None = None
-    for moment in conversation.moments:
-        if not moment.unacknowledged:
-            since = None
-        elif since is None:
-            since = moment.time
-        else:
-            longest = max(longest, moment.time - since)
-    return longest
+    first, last = stretches(conversation.unacknowledged > 0)
+    return int((conversation.times[last] - conversation.times[first]).max(initial=0))
+
+
+def stretches(which: Flags) -> tuple[Numbers, Numbers]:
+    """Where stretches in which this is true begin, and where they end."""
+    around = np.concatenate([[False], which, [False]])
+    changes = np.flatnonzero(around[1:] != around[:-1])
+    return changes[::2], changes[1::2] - 1
 
 
 def window(name: str, title: str, found: Sequence[Conversation]) -> Quantity:
     """The most unacknowledged messages. That there may not be more shows where room is used as soon as it is there, and
     by the number, which is a power of two."""
-    most = max((m.unacknowledged for c in found for m in c.moments if isinstance(m, SentMessage)), default=0)
+    outstanding = [np.where(c.kinds == MomentKind.SENT, c.unacknowledged, 0) for c in found]
+    most = max((int(each.max(initial=0)) for each in outstanding), default=0)
     if not most:
         return seen(name, title, (), "no message is sent", QuantityUnit.COUNT)
-    at_most = [
-        Observation(most, (c.place(m),))
-        for c in found
-        for m in c.moments
-        if isinstance(m, SentMessage) and m.unacknowledged == most
-    ]
-    full = [Observation(most, (c.place(a), c.place(b))) for c in found for a, b in _waited(c, most)]
+    waited = [(c, _waited(c, most)) for c in found]
+    full = gathered(packed(c.file, np.full(len(m), most), c.packets(m - 1), c.packets(m)) for c, m in waited)
     if len(full) > 1 and most >= _SMALLEST_HISTORY and most & (most - 1) == 0:
         how = f"{len(full)} times a new message left at once when an ACKNACK had made room"
-        return Quantity(name, title, QuantityUnit.COUNT, tuple(full), most, Confidence.MEASURED, how)
+        return Quantity(name, title, QuantityUnit.COUNT, full, most, Confidence.MEASURED, how)
     how = f"at least {most}: no sender was seen to wait for room again and again"
-    return Quantity(name, title, QuantityUnit.COUNT, tuple(at_most[:1]), most, Confidence.BOUND, how)
+    first = next(
+        c.place(int(np.argmax(each == most))) for c, each in zip(found, outstanding, strict=True) if most in each
+    )
+    return Quantity(name, title, QuantityUnit.COUNT, (Observation(most, (first,)),), most, Confidence.BOUND, how)
 
 
-def _waited(conversation: Conversation, most: int) -> Iterator[tuple[Came, SentMessage]]:
-    for before, after in pairwise(conversation.moments):
-        if (
-            isinstance(before, Came)
-            and isinstance(after, SentMessage)
-            and not after.again
-            and before.before == most > before.unacknowledged
-            and after.time - before.time < _AT_ONCE
-        ):
-            yield before, after
+def _waited(conversation: Conversation, most: int) -> Numbers:
+    """The moments of new messages that leave at once when something that came has made room."""
+    kinds, waiting = conversation.kinds, conversation.unacknowledged
+    made_room = (kinds == MomentKind.CAME) & (conversation.before == most) & (waiting < most)
+    new = (kinds == MomentKind.SENT) & ~conversation.again
+    following = made_room[:-1] & new[1:] & (np.diff(conversation.times) < _AT_ONCE)
+    return np.flatnonzero(following) + 1
 
 
-def losses(file: str, recording: Capture, to_agent: bool) -> Iterator[Observation]:
+def losses(file: str, recording: Capture, to_agent: bool) -> Iterator[PackedSamples]:
     """The part of the messages that are lost, in percent, for each link; the packets are those that are."""
+    sent = recording.transmissions
     for link in range(len(recording.links)):
-        known = [t for t in recording.transmissions.where(link, to_agent) if t.is_observed]
-        if known:
-            lost = [t for t in known if t.is_lost]
-            yield Observation(100 * len(lost) / len(known), tuple(PacketPlace(file, t.packet) for t in lost))
+        rows = sent.rows(link, to_agent)
+        rows = rows[sent.is_observed[rows]]
+        if len(rows):
+            lost = sent.packets[rows[sent.is_lost[rows]]]
+            yield packed_groups(file, np.array([100 * len(lost) / len(rows)]), lost, np.array([len(lost)]))
 
 
-def delays(file: str, recording: Capture) -> Iterator[Observation]:
+def delays(file: str, recording: Capture) -> Iterator[PackedSamples]:
     """From one side of a relay to the other."""
-    for one in recording.transmissions:
-        for arrival in one.arrivals or ():
-            places = PacketPlace(file, one.packet), PacketPlace(file, arrival.packet)
-            yield Observation((arrival.time - one.sent) / _MILLISECOND, places)
+    sent = recording.transmissions
+    rows = np.repeat(np.arange(len(sent), dtype=np.int32), sent.counts)
+    times, packets = sent.arrivals.T
+    yield packed(file, (times - sent.sent[rows]) / MILLISECOND, sent.packets[rows], packets)
 
 
-def copies(file: str, recording: Capture) -> Iterator[Observation]:
+def copies(file: str, recording: Capture) -> Iterator[PackedSamples]:
     """Messages that arrive more than once, with how often."""
-    for one in recording.transmissions:
-        arrivals = one.arrivals
-        if arrivals is not None and len(arrivals) > 1:
-            yield Observation(len(arrivals), tuple(PacketPlace(file, arrival.packet) for arrival in arrivals))
+    sent = recording.transmissions
+    several = sent.counts > 1
+    counts = sent.counts[several]
+    packets = sent.arrivals[places_in(sent.first_arrivals[several], counts), 1]
+    yield packed_groups(file, counts, packets, counts)
 
 
-def overtakings(file: str, recording: Capture) -> Iterator[Observation]:
+def overtakings(file: str, recording: Capture) -> Iterator[PackedSamples]:
     """Messages that arrive before one that was sent before them; how many milliseconds before.
 
     Of messages with the same content that one counts which makes it the least surprising.
     """
-    for one, late in _overtaken(recording.transmissions):
-        places = PacketPlace(file, one.packet), PacketPlace(file, late.packet)
-        yield Observation((late.arrived - one.arrived) / _MILLISECOND, places)
+    sent = recording.transmissions
+    earlier, later = _overtaken(sent)
+    waits = (sent.arrived[later] - sent.arrived[earlier]) / MILLISECOND
+    yield packed(file, waits, sent.packets[earlier], sent.packets[later])
 
 
-def _overtaken(transmissions: Sequence[Transmission]) -> Iterator[tuple[Transmission, Transmission]]:
+def _overtaken(sent: PackedTransmissions) -> tuple[Numbers, Numbers]:
     """Pairs that cannot be explained otherwise: whichever of the messages with its content the first is, it was sent
     after the second, whichever of those with its content that is."""
-    contents = _contents(transmissions)
-    sent = array("q", (one.sent for one in transmissions))
-    by_content = np.argsort(contents, kind="stable")
-    times = array("q", np.frombuffer(sent, np.int64)[by_content].tobytes())
-    first = np.searchsorted(contents[by_content], contents)
-    top = np.searchsorted(contents[by_content], contents, side="right")
-    arrived = array("q", (one.arrived if one.arrivals else _NEVER for one in transmissions))
-    order = np.argsort(np.frombuffer(arrived, np.int64), kind="stable")
-    newest: dict[tuple[int, bool], tuple[int, int]] = {}
-    for number in order[: len(order) - arrived.count(_NEVER)].tolist():
-        one = transmissions[number]
-        way, begin = (one.link, one.to_agent), int(first[number])
-        at_most = times[bisect_right(times, arrived[number], begin, int(top[number])) - 1]
-        if way in newest and newest[way][0] > at_most:
-            yield transmissions[newest[way][1]], one
-        if way not in newest or newest[way][0] < times[begin]:
-            newest[way] = times[begin], number
-
-
-def _contents(transmissions: Sequence[Transmission]) -> NDArray[np.int64]:
-    """A number for what each of them says; equal ones have equal numbers."""
-    digests = bytearray()
-    for one in transmissions:
-        said = one.link, one.to_agent, *((e.kind, e.stream, e.sequence, e.fields) for e in one.events)
-        digests += blake2b(repr(said).encode(), digest_size=16).digest()
-    rows = np.frombuffer(digests, np.int64).reshape(-1, 2)
-    order = np.lexsort((rows[:, 1], rows[:, 0]))
-    differs = (np.diff(rows[order], axis=0) != 0).any(axis=1)
-    numbers = np.zeros(len(rows), np.int64)
-    numbers[order[1:]] = np.cumsum(differs)
-    return numbers
+    counts = np.bincount(sent.contents)
+    top = np.cumsum(counts)[sent.contents]
+    first = top - counts[sent.contents]
+    times = sent.sent[np.lexsort((sent.sent, sent.contents))]
+    arrived = np.flatnonzero(sent.counts > 0)
+    order = arrived[np.argsort(sent.arrived[arrived], kind="stable")]
+    way = 2 * sent.links[order] + sent.to_agent[order]
+    by_way = np.argsort(way, kind="stable")
+    found = [np.zeros((0, 3), np.int64)]
+    for places in np.split(by_way, np.flatnonzero(np.diff(way[by_way])) + 1):
+        rows = order[places]
+        earliest = times[first[rows]]
+        newest = np.maximum.accumulate(earliest)
+        holder = np.maximum.accumulate(np.where(np.diff(newest, prepend=-1) > 0, np.arange(len(rows)), 0))
+        late = np.flatnonzero(newest[:-1] > earliest[1:]) + 1
+        limits = zip(*(column[rows[late]].tolist() for column in (sent.arrived, first + 1, top)), strict=True)
+        at_most = times[np.array([bisect_right(times, *limit) - 1 for limit in limits], np.int64)]
+        overtaken = newest[late - 1] > at_most
+        late = late[overtaken]
+        found.append(np.stack([places[late], rows[holder[late - 1]], rows[late]], axis=1))
+    pairs = np.concatenate(found)
+    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
+    return pairs[:, 1], pairs[:, 2]
