@@ -24,7 +24,6 @@ import tachk
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
 from tachk.recordings.conformance.conform_file import constants_of
-from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.tester import TestedModel, TestSettings, TestVerdict, confirmed, follow
 from tests.support.tested_machines import can_be_distinguished, is_zeno, mutated_machine
@@ -46,7 +45,7 @@ def first_failure(model: Machine, system: Machine, tests: int) -> int | None:
         policy = _POLICIES[seed % len(_POLICIES)]
         settings = TestSettings(Fraction(_LENGTH), seed, Fraction(0), Fraction(0), limits=Limits(states=10_000))
         running = ModelledSystem(other.network, stands, constants_of(other.loaded), seed, policy)
-        run = follow(tested, running, settings, tested.inputs(TestGoal.RANDOM, settings))
+        run = follow(tested, running, settings, tested.inputs(settings))
         if not run.reason and not run.is_as_modelled and confirmed(tested, run).verdict is TestVerdict.FAIL:
             return seed
     return None

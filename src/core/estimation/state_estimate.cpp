@@ -67,8 +67,8 @@ StateEstimate::StateEstimate(program::Program program, const reachability::Optio
       channels_(std::move(channels)),
       visible_(graph_.program().channels.size(), invisible),
       queues_(streams),
-      settled_(streams),
       wanted_(graph_.program().edges.size()),
+      watched_(graph_.program().edges.size()),
       marks_(std::move(marks)),
       expansion_{graph_.blank(), none, std::vector<std::uint32_t>(streams),
                  none,           {},   zones::ZoneBuffer(graph_.operations()),
@@ -101,6 +101,12 @@ void StateEstimate::seek(Raw until, const std::vector<std::uint32_t>& edges, std
   for (const std::uint32_t edge : edges) wanted_.at(edge) = true;
   begin(until, Aim::edge);
   exploration_.most = states;
+}
+
+void StateEstimate::watch(const std::vector<std::uint32_t>& edges) {
+  watched_.assign(watched_.size(), false);
+  for (const std::uint32_t edge : edges) watched_.at(edge) = true;
+  passed_ = false;
 }
 
 void StateEstimate::begin(Raw until, Aim aim) {
@@ -221,8 +227,11 @@ void StateEstimate::step(const symbolic::Successor& entry, const std::vector<Ato
     if (marks_[edge]) expansion_.taken[*marks_[edge]] = true;
   const std::size_t place = visible(entry.edges);
   if (place != invisible && !take(place, entry)) return;
-  const bool wanted = exploration_.aim == Aim::edge && std::any_of(entry.edges.begin(), entry.edges.end(),
-                                                                   [&](std::uint32_t edge) { return wanted_[edge]; });
+  const auto any_of = [&](const std::vector<bool>& edges) {
+    return std::any_of(entry.edges.begin(), entry.edges.end(), [&](std::uint32_t edge) { return edges[edge]; });
+  };
+  if (exploration_.aim == Aim::present) passed_ |= any_of(watched_);
+  const bool wanted = exploration_.aim == Aim::edge && any_of(wanted_);
   if (!wanted) return settle(entry.slots, invariant);
   exploration_.found = true;
   if (expansion_.lead != none) exploration_.lead = exploration_.leads[expansion_.lead];
@@ -340,7 +349,6 @@ void StateEstimate::move_on() {
     for (const StateSet::Node& node : present_) settled = std::min<std::size_t>(settled, node.positions[stream]);
     queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(settled));
     for (StateSet::Node& node : present_) node.positions[stream] -= static_cast<std::uint32_t>(settled);
-    settled_[stream] += settled;
     for (Observation& observation : queue) {
       observation.earliest -= exploration_.until;
       observation.latest -= exploration_.until;
@@ -423,16 +431,6 @@ std::vector<std::uint32_t> StateEstimate::covered() const {
   for (std::uint32_t mark = 0; mark < covered_.size(); ++mark)
     if (covered_[mark]) marks.push_back(mark);
   return marks;
-}
-
-std::vector<std::vector<std::int32_t>> StateEstimate::locations() const {
-  std::vector<std::vector<std::int32_t>> found;
-  for (const StateSet::Node& node : present_) {
-    std::vector<std::int32_t> each(node.slots.begin(),
-                                   node.slots.begin() + static_cast<std::ptrdiff_t>(graph_.program().processes.size()));
-    if (std::find(found.begin(), found.end(), each) == found.end()) found.push_back(std::move(each));
-  }
-  return found;
 }
 
 }  // namespace tachk::estimation

@@ -101,18 +101,19 @@ class StateEstimate final {
   void conclude();
   void seek(Raw until, const std::vector<std::uint32_t>& edges, std::size_t states);
 
+  // From now on `passed` is about these edges.
+  void watch(const std::vector<std::uint32_t>& edges);
+
   // Explores at most so many states; `running` asks for another call.
   reachability::Status run(std::uint64_t expansions);
 
   // How many symbolic states are possible at the present moment; none: the system is not as the model says.
   std::size_t size() const { return present_.size(); }
-  // How many of the observations have happened in all of them, by stream, since the last call.
-  std::vector<std::size_t> take_settled() { return std::exchange(settled_, std::vector<std::size_t>(queues_.size())); }
   std::uint64_t explored() const { return explored_; }
   // The marks of the edges that were taken in all possible states, on the way to each that is known.
   std::vector<std::uint32_t> covered() const;
-  // The locations of the processes in each possible state.
-  std::vector<std::vector<std::int32_t>> locations() const;
+  // Whether one of the watched edges was possible since the call of `watch`, on the way to the present moment.
+  bool passed() const { return passed_; }
   const Prediction& prediction() const { return exploration_.prediction; }
   // Whether all observations can happen, or an edge was found, and the first event of that run; none if no event comes
   // before the edge.
@@ -181,8 +182,8 @@ class StateEstimate final {
   std::vector<VisibleChannel> channels_;
   std::vector<std::size_t> visible_;  // by number of a channel, its place among the visible ones
   std::vector<std::deque<Observation>> queues_;
-  std::vector<std::size_t> settled_;
-  std::vector<bool> wanted_;                         // edges
+  std::vector<bool> wanted_, watched_;  // edges
+  bool passed_ = false;
   std::vector<std::optional<std::uint32_t>> marks_;  // of edges; several may have the same
   std::vector<bool> covered_;
   std::vector<StateSet::Node> present_;

@@ -110,10 +110,6 @@ class StateEstimate:
         """The marks of edges that were taken on the way to each possible state. Of several ways to one, one counts."""
         return self._core.covered()
 
-    def locations(self) -> list[list[int]]:
-        """The locations of the processes, for each combination that is possible now."""
-        return self._core.locations()
-
     def observe(self, stream: int, values: Sequence[int | None], window: Window, optional: bool = False) -> None:
         """Adds an event behind those of its stream. It happened in the window, counted from the present moment."""
         self._core.observe(stream, list(values), *window, optional)
@@ -123,6 +119,15 @@ class StateEstimate:
         EstimateLimitError."""
         self._core.advance(until)
         self._run()
+
+    def watch(self, edges: Sequence[int]) -> None:
+        """From now on `passed` is about these edges of the program."""
+        self._core.watch(list(edges))
+
+    @property
+    def passed(self) -> bool:
+        """Whether one of the watched edges was possible, on some way to the present moment."""
+        return self._core.passed()
 
     def prediction(self, until: int) -> Prediction:
         """What may happen first up to a moment. Raises EstimateLimitError."""

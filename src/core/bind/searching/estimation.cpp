@@ -62,16 +62,15 @@ void bind_estimation(nb::module_& m) {
            "Begins an exploration of what may happen first if nothing else is seen.")
       .def("conclude", &StateEstimate::conclude,
            "Begins an exploration of whether all observations can happen, however the system goes on unseen.")
+      .def("watch", &StateEstimate::watch, nb::arg("edges"), "From now on `passed` is about these edges.")
+      .def("passed", &StateEstimate::passed, "Whether one of them was possible on the way to the present moment.")
       .def("seek", &StateEstimate::seek, nb::arg("until"), nb::arg("edges"), nb::arg("states"),
            "Begins an exploration for runs that take one of these edges.")
       .def("run", &run_patiently<StateEstimate>, nb::arg("expansions"), nb::arg("seconds") = nb::none(),
            nb::arg("poll") = nb::none(), "Explores up to this many states.")
       .def("size", &StateEstimate::size, "How many symbolic states are possible at the present moment.")
       .def("explored", &StateEstimate::explored, "How many states were explored in all.")
-      .def("take_settled", &StateEstimate::take_settled,
-           "By stream, how many more observations have happened in all possible states since the last call.")
       .def("covered", &StateEstimate::covered, "The marks of the edges that were taken for sure.")
-      .def("locations", &StateEstimate::locations, "The locations of the processes in each possible state.")
       .def(
           "prediction",
           [](const StateEstimate& self) {

@@ -24,6 +24,7 @@ from tachk.simulation.testing.goals import TestGoal
 
 if TYPE_CHECKING:
     from tachk.frontend.loaded import LoadedModel
+    from tachk.simulation.testing.property_goal import PropertyGoal
 
 
 @click.command(name="test")
@@ -53,10 +54,11 @@ if TYPE_CHECKING:
 @drawing.seed("The random choice of inputs and moments.")
 @click.option(
     "--goal",
-    type=options.Choice(TestGoal),
+    metavar="random|edges|PROPERTY",
     default=TestGoal.RANDOM.value,
     show_default=True,
-    help="How inputs are chosen. edges: half of them on the way to an edge of the system that was not taken yet.",
+    help="How inputs are chosen. edges: half of them on the way to an edge of the system that was not taken yet. "
+    "PROPERTY: on the way to a state that decides this property of the model, along a run that `tachk verify` finds.",
 )
 @click.option(
     "--pause",
@@ -121,7 +123,7 @@ class TestArguments:
     record: Path | None = None
     junit: Path | None = None
     shorten: float | None = None
-    goal: TestGoal = TestGoal.RANDOM
+    goal: str = TestGoal.RANDOM.value
     states: int | None = None
 
 
@@ -133,21 +135,26 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
     from tachk.report.conformance.tested import test_to_json, test_to_junit, test_to_text
     from tachk.simulation.testing.tested_model import TestRequest, nanoseconds_of, run_test_of_model
     from tachk.simulation.testing.tester import TestVerdict
+    from tachk.verify.property_goal import property_goal
 
     model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
-    request = TestRequest(
-        _system_under_test(arguments),
-        arguments.duration,
-        arguments.seed,
-        arguments.tolerance,
-        arguments.late,
-        arguments.pause,
-        arguments.shorten,
-        arguments.goal,
-    )
+    system, limits = _system_under_test(arguments), Limits(states=arguments.states)
     with limited(seconds):
-        limits = Limits(states=arguments.states)
+        if arguments.goal in tuple(TestGoal):
+            goal: TestGoal | PropertyGoal = TestGoal(arguments.goal)
+        else:
+            goal = property_goal(model.loaded, model.path, arguments.goal, limits)
+        request = TestRequest(
+            system,
+            arguments.duration,
+            arguments.seed,
+            arguments.tolerance,
+            arguments.late,
+            arguments.pause,
+            arguments.shorten,
+            goal,
+        )
         result, shortening = run_test_of_model(model.loaded, model.path, request, limits)
     unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
     if arguments.record is not None:

@@ -13,6 +13,7 @@ from tachk.recordings.conformance.events import RecordedEvent
 from tachk.report.conformance.json import answer_to_json
 from tachk.report.conformance.text import event_text, rejection_lines, units_text
 from tachk.report.junit_report import clean
+from tachk.simulation.testing.property_goal import PropertyGoal
 from tachk.simulation.testing.shortening import Shortening
 from tachk.simulation.testing.tester import TestResult, TestVerdict
 
@@ -47,8 +48,17 @@ def _lines(result: TestResult, model: str, unit: str) -> Iterator[str]:
         yield from (f"  {_time(event.time)}  {event_text(event)}" for event in events[-_LAST:])
         if result.conformance is not None:
             yield from rejection_lines(result.conformance)
+    if isinstance(settings.goal, PropertyGoal):
+        yield _goal_line(settings.goal, result.reached, unit)
     yield f"{grouped(result.covered)} of {_counted(result.edges, 'edge')} of the system taken"
     yield f"{grouped(result.explored)} states; at most {grouped(result.states)} at a moment"
+
+
+def _goal_line(goal: PropertyGoal, reached: Fraction | None, unit: str) -> str:
+    name = goal.query.name
+    if reached is None:
+        return f"goal {name}: no state that decides it was reached"
+    return f"goal {name}: a state that decides it may have been reached by {units_text(reached, unit)}"
 
 
 def _shortening_line(shortening: Shortening) -> str:
@@ -87,6 +97,7 @@ def test_to_json(result: TestResult, shortening: Shortening | None, model: str, 
         "inputs": result.inputs,
         "outputs": len(result.recording.events) - result.inputs,
         "states": result.explored,
+        "goal": _goal_to_json(result),
         "edges": {"taken": result.covered, "all": result.edges},
         "largest_estimate": result.states,
         "shortening": None
@@ -100,6 +111,14 @@ def test_to_json(result: TestResult, shortening: Shortening | None, model: str, 
         "events": plain.of(list(result.recording.events)),
         "conformance": None if result.conformance is None else answer_to_json(result.conformance),
     }
+
+
+def _goal_to_json(result: TestResult) -> dict[str, Any]:
+    goal = result.settings.goal
+    if not isinstance(goal, PropertyGoal):
+        return {"kind": goal.value}
+    reached = None if result.reached is None else float(result.reached)
+    return {"kind": "property", "property": goal.query.name, "reached": reached}
 
 
 test_to_json.__test__ = False  # type: ignore[attr-defined]

@@ -8,7 +8,7 @@ from math import ceil, floor
 
 from tachk.base.records import dataclass
 from tachk.engine.options import Limits
-from tachk.engine.state_estimate import StateEstimate, Window
+from tachk.engine.state_estimate import PredictedStep, StateEstimate, Window
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.event_streams import Constants, EventStreamReader, with_words
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
@@ -64,6 +64,7 @@ class FollowedSystem:
 
     Attributes:
         moment: what happened until then has been seen, and the states are those of this moment.
+        reached: by then the system may have been in a state that decides the query of the network; None: never yet.
     """
 
     def __init__(
@@ -85,7 +86,9 @@ class FollowedSystem:
         self._estimate = StateEstimate(
             observed.program, observed.channels, len(observed.streams), observed.marks, limits=limits
         )
-        self._estimate.advance(0)
+        self._estimate.watch(observed.reaching)
+        self.reached: Fraction | None = None
+        self._advance(0)
 
     @property
     def is_as_modelled(self) -> bool:
@@ -145,8 +148,13 @@ class FollowedSystem:
     def _move_to(self, moment: int) -> None:
         while moment > self.moment and self._estimate.size:
             step = min(moment - self.moment, LONGEST // 2)
-            self._estimate.advance(step)
-            self.moment += step
+            self._advance(step)
+
+    def _advance(self, step: int) -> None:
+        self._estimate.advance(step)
+        self.moment += step
+        if self.reached is None and self._estimate.passed:
+            self.reached = Fraction(self.moment)
 
     def allowed(self, until: int) -> AllowedNext:
         """What may happen first if nothing more is seen, up to a moment. Raises EstimateLimitError."""
@@ -182,7 +190,18 @@ class FollowedSystem:
         marks = self._observed.marks
         wanted = [n for n, mark in enumerate(marks) if mark is not None and mark not in covered]
         length = min(_DISTANCE * self._observed.largest_constant, LONGEST // 2)
-        step = self._estimate.lead(length, wanted, _STATES_OF_LEAD) if wanted else None
+        return self._event_of(self._estimate.lead(length, wanted, _STATES_OF_LEAD)) if wanted else None
+
+    def lead_to_target(self) -> AllowedEvent | None:
+        """The first event of a run to a state that decides the query of the network; None if none is found near, or if
+        no event comes before.
+
+        Raises EstimateLimitError.
+        """
+        length = min(_DISTANCE * self._observed.largest_constant, LONGEST // 2)
+        return self._event_of(self._estimate.lead(length, self._observed.reaching, _STATES_OF_LEAD))
+
+    def _event_of(self, step: PredictedStep | None) -> AllowedEvent | None:
         if step is None:
             return None
         stream = self._observed.streams[self._observed.channels[step.channel].stream]

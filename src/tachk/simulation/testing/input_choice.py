@@ -98,23 +98,14 @@ class GuidedInputs:
             lead = None
             with suppress(EstimateLimitError):
                 lead = system.lead(covered)
-            planned = None if lead is None else self._towards(lead, allowed, now)
+            planned = None
+            if lead is not None:
+                planned = planned_towards(lead, allowed, now, self._tolerance, self._late)
             if planned is not None or (lead is not None and not must_act(allowed)):
                 return planned
             if lead is None:
                 self._left = -_REST
         return self._others.next_input(system, allowed, now)
-
-    def _towards(self, lead: AllowedEvent, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
-        """The first moment at which the input is possible and received for sure; None to wait for an output."""
-        for event in allowed.events:
-            if lead.is_input and (event.name, event.cells) == (lead.name, lead.cells):
-                wanted = replace(event, windows=lead.windows)
-                last = Fraction(max(high for _, high in lead.windows))
-                moments = _moments(wanted, now, last, self._tolerance, self._late)
-                found = [PlannedInput(event.name, event.cells, low) for low, _ in moments]
-                return found[0] if found else None
-        return None
 
     def is_sent(self) -> None:
         """Half of the time what follows is a pursuit again."""
@@ -143,6 +134,21 @@ class ScriptedInputs:
 
     def is_sent(self) -> None:
         self._sent += 1
+
+
+def planned_towards(
+    lead: AllowedEvent, allowed: AllowedNext, first: Fraction, tolerance: Fraction, late: Fraction
+) -> PlannedInput | None:
+    """The first moment, from `first` on, at which an input that leads on is possible and received for sure; None to
+    wait for an output."""
+    for event in allowed.events:
+        if lead.is_input and (event.name, event.cells) == (lead.name, lead.cells):
+            wanted = replace(event, windows=lead.windows)
+            last = Fraction(max(high for _, high in lead.windows))
+            moments = _moments(wanted, first, last, tolerance, late)
+            found = [PlannedInput(event.name, event.cells, low) for low, _ in moments]
+            return found[0] if found else None
+    return None
 
 
 def must_act(allowed: AllowedNext) -> bool:

@@ -31,6 +31,7 @@ from tachk.model.expressions import (
     VariableKind,
 )
 from tachk.model.network import Edge, Network, Process
+from tachk.model.query import Query
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.traversal import walk, written_variables
 from tachk.recordings.conformance.event_streams import (
@@ -46,6 +47,7 @@ from tachk.simulation.testing.event_columns import (
     noted_variables,
     noting_updates,
 )
+from tachk.transform.observed import observed
 
 LONGEST = 1 << 24
 """Units of the model: no moment is so far from the present one."""
@@ -74,6 +76,7 @@ class InstrumentedNetwork:
     largest_constant: with which a clock is compared, at least 1; in units of the model.
     edges: of the system: the numbers of the process and of its edge.
     marks: for each edge of the program its place among them; None for edges of the environment.
+    reaching: the edges of the program that are possible where a query is decided; none without a query.
     """
 
     network: Network
@@ -83,10 +86,14 @@ class InstrumentedNetwork:
     largest_constant: int
     edges: tuple[tuple[int, int], ...]
     marks: tuple[int | None, ...]
+    reaching: tuple[int, ...]
 
 
-def instrumented_network(network: Network, mapping: RecordingMap) -> InstrumentedNetwork:
+def instrumented_network(network: Network, mapping: RecordingMap, query: Query | None = None) -> InstrumentedNetwork:
     """The network with what events contain; locations in columns are variables already.
+
+    Args:
+        query: a process watches whether a state is reached that decides it, which has to have a `target`.
 
     Raises UsageError for a model that cannot be followed while it runs, UnsupportedError.
     """
@@ -98,27 +105,34 @@ def instrumented_network(network: Network, mapping: RecordingMap) -> Instrumente
     clock = builder.clock("now")
     present = _present(clock)
     noted = [noted_variables(builder, number, visible) for number, visible in enumerate(mapping.visible)]
-    processes = list(network.processes)
+    watched = observed(network, None if query is None else query.observer)
+    processes = list(watched.network.processes)
     added = [present]
     for number, (visible, variables) in enumerate(zip(mapping.visible, noted, strict=True)):
         if is_broadcast(visible):
             added.append(_noting_process(number, visible, variables))
         else:
             processes = [_noting_receiver(process, visible, variables) for process in processes]
+    if query is not None:
+        assert query.target is not None
+        added.append(_watching_process(query.target))
     whole = replace(
-        network,
+        watched.network,
         processes=(*processes, *added),
-        variables=(*builder.variables, *network.variables),
+        variables=(*builder.variables, *watched.network.variables),
         signals=(),
-        hidden=(*network.hidden, *(process.name for process in added)),
+        hidden=(*watched.network.hidden, *(process.name for process in added)),
     )
     program, _ = lower(whole)
     streams, channels = _streams(network, mapping, program, noted)
     system = [n for n in range(len(network.processes)) if n not in mapping.replaced]
     edges = tuple((n, number) for n in system for number in range(len(network.processes[n].edges)))
     places = {edge: place for place, edge in enumerate(edges)}
+    places |= {copy: places[copy[0], first] for copy, first in watched.copies.items() if (copy[0], first) in places}
     marks = tuple(places.get((edge.process, edge.edge)) for edge in program.edges)
-    return InstrumentedNetwork(whole, program, streams, channels, _largest_constant(program), edges, marks)
+    watching = None if query is None else len(whole.processes) - 1
+    reaching = tuple(number for number, edge in enumerate(program.edges) if edge.process == watching)
+    return InstrumentedNetwork(whole, program, streams, channels, _largest_constant(program), edges, marks, reaching)
 
 
 def _largest_constant(program: Program) -> int:
@@ -138,6 +152,15 @@ def _present(clock: Term) -> Process:
     here = process.location("present", clock <= LONGEST)
     process.edge(here, here, guard=clock >= LONGEST)
     return process.build()
+
+
+def _watching_process(target: Expression) -> Process:
+    """An edge that is possible where the target holds, and changes nothing."""
+    process = ProcessBuilder("watching.", VariableKind.LOCAL, name="watching")
+    here = process.location("watching")
+    process.edge(here, here, guard=Term(target))
+    built = process.build()
+    return replace(built, locations=tuple(replace(location, observes=True) for location in built.locations))
 
 
 def _noting_process(number: int, visible: VisibleEvents, noted: Mapping[str, Term]) -> Process:

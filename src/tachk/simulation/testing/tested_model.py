@@ -15,6 +15,7 @@ from tachk.recordings.conformance.location_columns import with_location_variable
 from tachk.simulation.testing.adapters import open_adapter
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.modelled_system import ModelledSystem
+from tachk.simulation.testing.property_goal import PropertyGoal
 from tachk.simulation.testing.shortening import Shortening, shorten
 from tachk.simulation.testing.system_adapter import SystemAdapter
 from tachk.simulation.testing.tester import TestedModel, TestResult, TestSettings, TestVerdict, confirmed, follow
@@ -43,7 +44,7 @@ class TestRequest:
     late: str | None = None
     pause: str | None = None
     shorten: float | None = None
-    goal: TestGoal = TestGoal.RANDOM
+    goal: TestGoal | PropertyGoal = TestGoal.RANDOM
 
 
 def run_test_of_model(
@@ -80,15 +81,17 @@ def run_test_of_model(
         tolerance if late is None else late,
         None if request.pause is None else _pause(request.pause, unit),
         limits,
+        request.goal,
     )
-    tested = TestedModel.of(network, mapping, constants_of(loaded))
+    query = request.goal.query if isinstance(request.goal, PropertyGoal) else None
+    tested = TestedModel.of(network, mapping, constants_of(loaded), query)
 
     def open_system() -> SystemAdapter:
         if isinstance(request.adapter, str):
             return open_adapter(request.adapter, nanoseconds_of(unit))
         return _system_of(request.adapter, request.seed)
 
-    run = follow(tested, open_system(), settings, tested.inputs(request.goal, settings))
+    run = follow(tested, open_system(), settings, tested.inputs(settings))
     result = confirmed(tested, run)
     if request.shorten is None or result.verdict is not TestVerdict.FAIL:
         return result, None

@@ -21,7 +21,9 @@ from tachk.engine.options import Limits
 from tachk.engine.state_estimate import EstimateLimitError
 from tachk.model.network import Network
 from tachk.model.quantity import duration
+from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
+from tachk.model.run import TimedTrace
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
@@ -29,6 +31,8 @@ from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, Follow
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs, must_act
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
+from tachk.simulation.testing.property_goal import InputsTowardsTarget, PropertyGoal
+from tachk.simulation.testing.run_events import events_of_run
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemAdapter, SystemEndedError
 
 _EXCUSE = 4
@@ -58,6 +62,7 @@ class TestSettings:
     duration: of the test, in units of the model.
     pause: the longest time until the next input, in units of the model; None: the largest constant of its clocks.
     tolerance, late: of times, in units of the model, as of `tachk conform`.
+    goal: how inputs are chosen.
     """
 
     __test__ = False
@@ -68,6 +73,7 @@ class TestSettings:
     late: Fraction
     pause: int | None = None
     limits: Limits = Limits()
+    goal: TestGoal | PropertyGoal = TestGoal.RANDOM
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +88,7 @@ class TestResult:
     explored: the number of symbolic states that were explored.
     covered: how many edges of the system were taken, on one way to each state in which it may have been.
     edges: how many it has.
+    reached: by then the system may have been in a state that decides the property of the goal; None: never.
     """
 
     __test__ = False
@@ -97,6 +104,7 @@ class TestResult:
     explored: int
     covered: int
     edges: int
+    reached: Fraction | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,20 +125,36 @@ class TestedModel:
     instrumented: InstrumentedNetwork
 
     @staticmethod
-    def of(network: Network, mapping: RecordingMap, constants: Constants) -> TestedModel:
-        """Raises UsageError for a model that cannot be followed, UnsupportedError."""
-        return TestedModel(network, mapping, constants, instrumented_network(network, mapping))
+    def of(network: Network, mapping: RecordingMap, constants: Constants, query: Query | None = None) -> TestedModel:
+        """Args:
+            query: tests may have the goal to reach a state that decides it.
+
+        Raises UsageError for a model that cannot be followed, UnsupportedError.
+        """
+        return TestedModel(network, mapping, constants, instrumented_network(network, mapping, query))
 
     def pause(self, settings: TestSettings) -> int:
         """The longest time until the next input."""
         return self.instrumented.largest_constant if settings.pause is None else settings.pause
 
-    def inputs(self, goal: TestGoal, settings: TestSettings) -> InputChoice:
+    def inputs(self, settings: TestSettings) -> InputChoice:
         """The inputs of a test with these settings."""
         others = RandomInputs(settings.seed, self.pause(settings), settings.tolerance, settings.late)
-        if goal is TestGoal.RANDOM:
-            return others
-        return GuidedInputs(settings.seed, others, settings.tolerance, settings.late)
+        match settings.goal:
+            case TestGoal.RANDOM:
+                return others
+            case TestGoal.EDGES:
+                return GuidedInputs(settings.seed, others, settings.tolerance, settings.late)
+            case PropertyGoal(run=run):
+                return InputsTowardsTarget(others, settings.tolerance, settings.late, self._inputs_of(run))
+
+    def _inputs_of(self, run: TimedTrace | None) -> list[RecordedEvent]:
+        """The inputs of a run of the network."""
+        if run is None:
+            return []
+        inputs = {stream.visible.event for stream in self.instrumented.streams if stream.is_input}
+        events = events_of_run(self.network, self.mapping, run, SOURCE).events
+        return [event for event in events if event.name in inputs]
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +181,7 @@ class TestRun:
     states: int
     explored: int
     covered: frozenset[int]
+    reached: Fraction | None
 
 
 def follow(model: TestedModel, system: SystemAdapter, settings: TestSettings, choice: InputChoice) -> TestRun:
@@ -238,6 +263,7 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
         run.explored,
         len(run.covered),
         len(model.instrumented.edges),
+        run.reached,
     )
 
 
@@ -373,4 +399,5 @@ class _TestUnderWay:
             self.states,
             self.followed.explored,
             self.followed.covered,
+            self.followed.reached,
         )

@@ -149,10 +149,9 @@ def test_models_pass_their_own_tests(seed: int) -> None:
         tolerance, late = Fraction(random.randrange(3)), Fraction(random.randrange(3))
         policy = random.choice((Policy.STOCHASTIC, Policy.UNIFORM, Policy.BOUNDARY))
         system = ModelledSystem(model.network, mapping, constants, case, policy)
-        settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000))
-        result = confirmed(
-            prepared, follow(prepared, system, settings, prepared.inputs(random.choice(list(TestGoal)), settings))
-        )
+        goal = random.choice(list(TestGoal))
+        settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000), goal=goal)
+        result = confirmed(prepared, follow(prepared, system, settings, prepared.inputs(settings)))
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
 
 
