@@ -24,10 +24,10 @@ _IN_COLUMNS: Final = (SubmessageKind.ACKNACK, SubmessageKind.HEARTBEAT, MALFORME
 _IDS: Final = ("first", "last", "bitmap", "subject", "request", "object")
 
 
-def samples(found: Submessages, endpoints: list[Endpoint]) -> Numbers:
+def samples(found: Submessages, endpoints: list[Endpoint]) -> Column:
     """For each submessage a number that stands for its sample, or for what else it says beside its ids; NOTHING where
     there is no such thing."""
-    numbers = np.full(len(found.kind), NOTHING, np.int64)
+    numbers = np.full(len(found.kind), NOTHING, np.int32)
     is_sample, is_piece = np.isin(found.kind, _SAMPLES), found.kind == SubmessageKind.FRAGMENT
     octets = np.flatnonzero(is_sample | is_piece)
     skipped = np.where(is_sample[octets], _BEFORE_SAMPLE, 0)
@@ -41,14 +41,14 @@ def samples(found: Submessages, endpoints: list[Endpoint]) -> Numbers:
     return numbers
 
 
-def contents(found: Submessages, said: Numbers, ways: Column) -> Numbers:
+def contents(found: Submessages, said: Column, ways: Column) -> Numbers:
     """Two numbers for each submessage that stand for its way, and all that it says.
 
     Args:
         said: its `samples`.
         ways: by whom to whom it was sent.
     """
-    pieces = [np.zeros((0, 2), np.int64)]
+    parts = bytearray()
     for first in range(0, len(found.kind), _FEW):
         few = slice(first, first + _FEW)
         kind = found.kind[few]
@@ -57,11 +57,11 @@ def contents(found: Submessages, said: Numbers, ways: Column) -> Numbers:
         columns = [ways[few], kind, found.stream[few], found.sequence[few], *ids, found.flags[few] & matter, said[few]]
         rows = np.stack(columns, axis=1).astype(np.int32)
         size = rows.itemsize * rows.shape[1]
-        pieces.append(digests(rows.view(np.uint8).ravel(), np.arange(len(rows)) * size, np.full(len(rows), size)))
-    return np.concatenate(pieces)
+        parts += digests(rows.view(np.uint8).ravel(), np.arange(len(rows)) * size, np.full(len(rows), size)).data
+    return np.frombuffer(parts, np.int64).reshape(-1, 2)
 
 
-def joined_contents(parts: Numbers, first: Numbers, counts: Column) -> Numbers:
+def joined_contents(parts: Numbers, first: Numbers, counts: Column) -> Column:
     """For each message a number that stands for the contents of its submessages."""
     found = parts[first]
     several = np.flatnonzero(counts > 1)
@@ -76,10 +76,12 @@ def _hashed(texts: Sequence[bytes]) -> Numbers:
     return np.frombuffer(octets, np.int64).reshape(-1, 2)
 
 
-def numbered(found: Numbers) -> Numbers:
+def numbered(found: Numbers) -> Column:
     """From 0, one number for each pair; equal ones have equal numbers."""
     order = np.lexsort((found[:, 1], found[:, 0]))
-    differs = (np.diff(found[order], axis=0) != 0).any(axis=1)
-    numbers = np.zeros(len(found), np.int64)
-    numbers[order[1:]] = np.cumsum(differs)
+    differs = np.zeros(max(len(found) - 1, 0), np.bool_)
+    for half in found.T:
+        differs |= np.diff(half[order]) != 0
+    numbers = np.zeros(len(found), np.int32)
+    numbers[order[1:]] = np.cumsum(differs, dtype=np.int32)
     return numbers

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from tachk.xrce.datagrams import Flags
 from tachk.xrce.messages import Messages
-from tachk.xrce.packets import Column, Numbers, Octets
+from tachk.xrce.packets import Column, Numbers
 from tachk.xrce.submessages import MALFORMED, Submessages
 from tachk.xrce.wire import SubmessageKind
 
-_OF_MESSAGES: Final = {
+Kinds = Mapping[str, type[np.generic]]
+"""The types of the numbers of columns, by name."""
+
+_OF_MESSAGES: Final[Kinds] = {
     "packets": np.int64,
     "times": np.int64,
     "clients": np.int32,
     "agents": np.int32,
     "to_agent": np.bool_,
 }
-_OF_SUBMESSAGES: Final = {
+_OF_SUBMESSAGES: Final[Kinds] = {
     "place": np.int16,
     "kind": np.int16,
     "session": np.int16,
@@ -37,6 +40,23 @@ _OF_SUBMESSAGES: Final = {
 _WHOLLY_IN_COLUMNS: Final = (SubmessageKind.ACKNACK, SubmessageKind.HEARTBEAT)
 
 
+class GrowingColumns:
+    """Columns that become longer piece by piece. They grow in place: memory never holds a column twice."""
+
+    def __init__(self, kinds: Kinds) -> None:
+        self._kinds = kinds
+        self._octets = {name: bytearray() for name in kinds}
+
+    def extend(self, pieces: Mapping[str, Column]) -> None:
+        """Adds what each column has next."""
+        for name, kind in self._kinds.items():
+            self._octets[name] += pieces[name].astype(kind).tobytes()
+
+    def whole(self) -> dict[str, Any]:
+        """The columns. They cannot grow any more."""
+        return {name: np.frombuffer(self._octets[name], kind) for name, kind in self._kinds.items()}
+
+
 def joined(pieces: Iterable[tuple[Submessages, Flags]]) -> Submessages:
     """Some messages of each piece, one behind the other.
 
@@ -46,33 +66,28 @@ def joined(pieces: Iterable[tuple[Submessages, Flags]]) -> Submessages:
     Args:
         pieces: each with a truth value for each of its messages.
     """
-    columns: dict[str, list[Any]] = {
-        name: [np.zeros(0, kind)]
-        for name, kind in {**_OF_MESSAGES, **_OF_SUBMESSAGES, "message": np.int32, "sizes": np.int32}.items()
-    }
-    octets: list[Octets] = [np.zeros(0, np.uint8)]
+    of_messages = GrowingColumns(_OF_MESSAGES)
+    of_submessages = GrowingColumns({**_OF_SUBMESSAGES, "message": np.int32, "sizes": np.int32})
+    octets = GrowingColumns({"octets": np.uint8})
     problems: dict[int, str] = {}
     texts: dict[str, str] = {}
     messages = entries = 0
     for found, wanted in pieces:
         chosen = np.flatnonzero(wanted[found.message])
-        for name, kind in _OF_MESSAGES.items():
-            columns[name].append(getattr(found.messages, name)[wanted].astype(kind))
-        for name, kind in _OF_SUBMESSAGES.items():
-            columns[name].append(getattr(found, name)[chosen].astype(kind))
-        columns["message"].append((np.cumsum(wanted)[found.message[chosen]] - 1 + messages).astype(np.int32))
+        of_messages.extend({name: getattr(found.messages, name)[wanted] for name in _OF_MESSAGES})
         sizes = np.where(np.isin(found.kind[chosen], _WHOLLY_IN_COLUMNS), 0, found.sizes[chosen])
-        columns["sizes"].append(sizes.astype(np.int32))
-        octets.append(found.messages.octets[places_in(found.starts[chosen], sizes)])
+        columns = {name: getattr(found, name)[chosen] for name in _OF_SUBMESSAGES}
+        message = np.cumsum(wanted)[found.message[chosen]] - 1 + messages
+        of_submessages.extend({**columns, "message": message, "sizes": sizes})
+        octets.extend({"octets": found.messages.octets[places_in(found.starts[chosen], sizes)]})
         for number in np.flatnonzero(found.kind[chosen] == MALFORMED).tolist():
             problem = found.problems[int(chosen[number])]
             problems[entries + number] = texts.setdefault(problem, problem)
         messages += int(wanted.sum())
         entries += len(chosen)
-    whole = {name: np.concatenate(columns.pop(name)) for name in list(columns)}
     nothing = np.broadcast_to(np.int64(0), messages)
-    own: dict[str, Any] = {name: whole.pop(name) for name in _OF_MESSAGES}
-    held = Messages(octets=np.concatenate(octets), **own, starts=nothing, sizes=nothing, missing=nothing)
+    held = Messages(**octets.whole(), **of_messages.whole(), starts=nothing, sizes=nothing, missing=nothing)
+    whole = of_submessages.whole()
     ends = np.cumsum(whole["sizes"], dtype=np.int64)
     return Submessages(held, **whole, starts=ends - whole["sizes"], problems=problems, contents={})
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from tachk.base.records import dataclass
 from tachk.xrce.datagrams import Flags
+from tachk.xrce.joined_submessages import GrowingColumns
 from tachk.xrce.messages import Endpoint
 from tachk.xrce.packets import Numbers, Octets
 from tachk.xrce.serial_line import NO_ENDPOINT
@@ -63,7 +64,14 @@ class MessageColumns:
         )
 
 
-_COLUMNS: Final = ("numbers", "packets", "times", "digests", "to_agent", "dropped")
+_COLUMNS: Final = {
+    "numbers": np.int64,
+    "packets": np.int64,
+    "times": np.int64,
+    "digests": np.int64,
+    "to_agent": np.bool_,
+    "dropped": np.bool_,
+}
 
 
 class Leg:
@@ -83,14 +91,14 @@ class Leg:
         self.session: int | None = None
         self.first = 0
         self.begins = False
-        self._pieces: list[MessageColumns] = []
+        self._columns = GrowingColumns(_COLUMNS)
         self._others: list[Leg] = []
 
     def add(self, messages: MessageColumns) -> None:
         """Adds its next messages."""
-        if not self._pieces:
+        if not self.first:
             self.first, self.begins = int(messages.packets[0]), bool(messages.to_agent[0])
-        self._pieces.append(messages)
+        self._columns.extend({name: getattr(messages, name).ravel() for name in _COLUMNS})
 
     @property
     def key(self) -> str:
@@ -120,16 +128,14 @@ class Leg:
 
     def columns(self) -> MessageColumns:
         """Its messages, in the order of packets. It has none from then on."""
-        own = _one_behind_the_other(self._pieces)
-        self._pieces = []
+        whole = self._columns.whole()
+        own = MessageColumns(**{**whole, "digests": whole["digests"].reshape(-1, 2)})
+        self._columns = GrowingColumns(_COLUMNS)
         if not self._others:
             return own
-        together = _one_behind_the_other([own, *(leg.columns() for leg in self._others)])
+        pieces = [own, *(leg.columns() for leg in self._others)]
+        together = MessageColumns(*(np.concatenate([getattr(each, name) for each in pieces]) for name in _COLUMNS))
         return together.where(np.argsort(together.packets, kind="stable"))
-
-
-def _one_behind_the_other(pieces: Sequence[MessageColumns]) -> MessageColumns:
-    return MessageColumns(*(np.concatenate([getattr(each, name) for each in pieces]) for name in _COLUMNS))
 
 
 class Legs:

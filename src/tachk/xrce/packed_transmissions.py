@@ -46,16 +46,17 @@ class PackedTransmissions(Sequence[Transmission]):
         endpoints: those of the messages, by number.
         """
         self.submessages, self._endpoints = found, endpoints
-        self._row_of_message = np.argsort(rows[:, 0], kind="stable")
-        messages = np.argsort(self._row_of_message, kind="stable")
         first = np.flatnonzero(np.diff(found.message, prepend=-1))
-        counts = np.diff(np.append(first, len(found.message)))
+        counts = np.diff(np.append(first, len(found.message))).astype(np.int32)
         bits = np.bitwise_or.reduceat(_bits_of(found.kind), first) if len(first) else first
-        self.links, self.to_agent = rows[:, 1].astype(np.int32), rows[:, 2] != 0
-        self.sent, self.packets = found.messages.times[messages], found.messages.packets[messages]
-        self.first_events, self.event_counts = first[messages], counts[messages].astype(np.int32)
+        self._row_of_message: Numbers | None = None
+        columns: list[Column] = [found.messages.times, found.messages.packets, bits, first, counts]
+        if (np.diff(rows[:, 0]) < 0).any():
+            self._row_of_message = np.argsort(rows[:, 0])
+            columns = [column[np.argsort(self._row_of_message)] for column in columns]
+        self.sent, self.packets, self.kinds, self.first_events, self.event_counts = columns
         self.stream, self.sequence = found.stream[self.first_events], found.sequence[self.first_events]
-        self.kinds = bits[messages]
+        self.links, self.to_agent = rows[:, 1].copy(), rows[:, 2] != 0
         self.counts = np.maximum(rows[:, 3], 0)
         self.first_arrivals = np.cumsum(self.counts) - self.counts
         self.arrivals = arrivals
@@ -97,20 +98,22 @@ class PackedTransmissions(Sequence[Transmission]):
         return found
 
     @cached_property
-    def samples(self) -> Numbers:
+    def samples(self) -> Column:
         """For each submessage a number that stands for its sample; see `tachk.xrce.contents`."""
         return contents.samples(self.submessages, self._endpoints)
 
-    def samples_of(self, rows: Numbers, *kinds: SubmessageKind) -> tuple[Numbers, Numbers]:
+    def samples_of(self, rows: Numbers, *kinds: SubmessageKind) -> tuple[Column, Numbers]:
         """The `samples` in the submessages of these kinds of some rows, and the row of each."""
         numbers = places_in(self.first_events[rows], self.event_counts[rows])
         chosen = np.isin(self.submessages.kind[numbers], kinds)
         return self.samples[numbers[chosen]], np.repeat(rows, self.event_counts[rows])[chosen]
 
     @cached_property
-    def contents(self) -> Numbers:
+    def contents(self) -> Column:
         """For each a number that stands for what it says, and for its way."""
-        rows = self._row_of_message[self.submessages.message]
+        rows = (
+            self.submessages.message if self._row_of_message is None else self._row_of_message[self.submessages.message]
+        )
         ways = 2 * self.links[rows] + self.to_agent[rows]
         parts = contents.contents(self.submessages, self.samples, ways)
         return contents.joined_contents(parts, self.first_events, self.event_counts)

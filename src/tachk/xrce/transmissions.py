@@ -252,7 +252,8 @@ class _SentColumns:
 
 def _columns_of(link: int, to_agent: Flags | bool, messages: MessageColumns, counts: Numbers) -> Numbers:
     size = len(messages.numbers)
-    return np.stack([messages.numbers, np.full(size, link), np.broadcast_to(to_agent, size), counts], axis=1)
+    columns = messages.numbers, np.broadcast_to(link, size), np.broadcast_to(to_agent, size), counts
+    return np.stack([column.astype(np.int32) for column in columns], axis=1)
 
 
 _NO_ARRIVAL: Final = np.zeros((0, 2), np.int64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -23,8 +24,11 @@ from tachk.xrce.measuring.quantity import (
     packed_groups,
     seen,
 )
+from tachk.xrce.packed_transmissions import PackedTransmissions
 from tachk.xrce.transmissions import open_transmissions, read_transmissions
 from tachk.xrce.wire import SubmessageKind
+from tests.unit.xrce.captures import CREATE_CLIENT, WRITE_DATA, pcap, tcp
+from tests.unit.xrce.plain_measuring import said
 
 CAPTURES = Path(__file__).parents[2] / "data/captures"
 NAMES = [
@@ -38,19 +42,36 @@ NAMES = [
 
 @pytest.mark.parametrize("name", NAMES)
 def test_transmissions_are_those_of_the_capture(name: str) -> None:
-    path = CAPTURES / f"{name}.pcap"
+    assert_packed_as_read(CAPTURES / f"{name}.pcap")
+
+
+def test_a_message_that_is_not_complete_when_the_capture_ends_stands_where_it_began(tmp_path: Path) -> None:
+    """It is read last, and sent first."""
+    whole, begun = struct.pack("<H", len(CREATE_CLIENT)) + CREATE_CLIENT, struct.pack("<H", 100) + WRITE_DATA
+    segments = [tcp(whole, 1), tcp(begun, 1 + len(whole)), tcp(whole, 1, source=40001)]
+    segments.append(tcp(struct.pack("<H", len(WRITE_DATA)) + WRITE_DATA, 1 + len(whole), source=40001))
+    (tmp_path / "run.pcap").write_bytes(pcap(segments))
+    packed = assert_packed_as_read(tmp_path / "run.pcap")
+    assert [(one.link, one.packet) for one in packed] == [(0, 1), (0, 2), (1, 3), (1, 4)]
+
+
+def assert_packed_as_read(path: Path) -> PackedTransmissions:
     read, packed = list(open_transmissions(path)), read_transmissions(path).transmissions
     assert len(read) == len(packed) > 0
     for one, other in zip(read, packed, strict=True):
         for what in ("link", "to_agent", "sent", "packet", "arrivals", "events", "is_lost", "is_observed", "arrived"):
             assert getattr(one, what) == getattr(other, what)
         assert (one.kinds, one.is_reliable) == (other.kinds, other.is_reliable)
-    for link in range(3):
+    for link in {one.link for one in read}:
         for to_agent in (True, False):
             wanted = [one.packet for one in read if (one.link, one.to_agent) == (link, to_agent)]
             assert [one.packet for one in packed.where(link, to_agent)] == wanted
     kinds = frozenset({SubmessageKind.ACKNACK, SubmessageKind.CREATE})
     assert [one.packet for one in packed.where(kinds=kinds)] == [one.packet for one in read if kinds & one.kinds]
+    equal = {said(one): content for one, content in zip(read, packed.contents.tolist(), strict=True)}
+    assert [equal[said(one)] for one in read] == packed.contents.tolist()
+    assert len(set(equal.values())) == len(equal)
+    return packed
 
 
 def test_parts_of_a_recording_are_its_events() -> None:

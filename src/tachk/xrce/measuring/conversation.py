@@ -64,7 +64,7 @@ class Conversation:
     times: Numbers
     kinds: Column
     rows: Column
-    numbers: Numbers
+    numbers: Column
     again: Flags
     answers: Flags
     before: Column
@@ -188,14 +188,14 @@ def rows_of(*columns: Column) -> Iterator[tuple[Any, ...]]:
         yield from zip(*(column[first : first + _FEW].tolist() for column in columns), strict=True)
 
 
-def _followed(what: Column, said: Column) -> tuple[Numbers, Flags, Column]:
+def _followed(what: Column, said: Column) -> tuple[Column, Flags, Column]:
     """Follows a stream step by step: a session begins, a message with this number leaves, an ACKNACK with this first
     number comes.
 
     Returns the numbers, which go on at 65536, whether each is less than that of the next new message, and how many
     messages are unacknowledged then; an entry for the time before all steps comes first.
     """
-    numbers, again, outstanding = array("q", [0]), bytearray(1), array("i", [0])
+    numbers, again, outstanding = array("i", [0]), bytearray(1), array("i", [0])
     sent = acknowledged = 0
     for step, last_bits in rows_of(what, said):
         number, before = nearest_number(last_bits, sent), sent
@@ -209,7 +209,7 @@ def _followed(what: Column, said: Column) -> tuple[Numbers, Flags, Column]:
         again.append(number < before)
         outstanding.append(max(sent - acknowledged, 0))
     return (
-        np.frombuffer(numbers, np.int64),
+        np.frombuffer(numbers, np.int32),
         np.frombuffer(again, np.bool_),
         np.frombuffer(outstanding, np.int32),
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
+from itertools import pairwise
 from typing import Any, Final, overload
 
 import numpy as np
@@ -50,6 +51,8 @@ class Observation:
 _FEW: Final = 1000
 """So many observations, or packets that they came from, are held as they are."""
 
+_MANY: Final = 10_000
+
 _FILE: Final = 40
 """So many bits of a number are the packet, those above the file."""
 
@@ -85,6 +88,22 @@ class PackedSamples(Sequence[Observation]):
             tuple([PacketPlace(self._files[each >> _FILE], each & (1 << _FILE) - 1) for each in places]),
         )
 
+    def __iter__(self) -> Iterator[Observation]:
+        return (
+            Observation(value, tuple([PacketPlace(file, packet) for file, packet in places]))
+            for value, places in self.rows()
+        )
+
+    def rows(self) -> Iterator[tuple[float, list[tuple[str, int]]]]:
+        """Each value, and the file and the packet of each place."""
+        for begin in range(0, len(self), _MANY):
+            ends = self._first[begin : begin + _MANY + 1]
+            coded = self._places[ends[0] : ends[-1]]
+            files = [self._files[number] for number in (coded >> _FILE).tolist()]
+            places = list(zip(files, (coded & (1 << _FILE) - 1).tolist(), strict=True))
+            values, limits = self.values[begin : begin + _MANY].tolist(), (ends - ends[0]).tolist()
+            yield from ((value, places[a:b]) for value, (a, b) in zip(values, pairwise(limits), strict=True))
+
     def chosen(self, which: NDArray[np.bool_]) -> PackedSamples:
         """Those where this is true."""
         sizes = np.diff(self._first)[which]
@@ -93,11 +112,13 @@ class PackedSamples(Sequence[Observation]):
 
     def places(self) -> int:
         """The number of packets that they came from."""
-        return len(np.unique(self._places))
+        return int(np.count_nonzero(np.diff(np.sort(self._places)))) + (len(self._places) > 0)
 
     @staticmethod
     def together(found: Sequence[PackedSamples]) -> PackedSamples:
         """Those of all, one behind the other."""
+        if len(found) == 1:
+            return found[0]
         files: dict[str, int] = {}
         places, first, before = [np.zeros(0, np.int64)], [np.zeros(1, np.int64)], 0
         for each in found:

@@ -200,34 +200,30 @@ def overtakings(file: str, recording: Capture) -> Iterator[PackedSamples]:
     Of messages with the same content that one counts which makes it the least surprising.
     """
     sent = recording.transmissions
-    earlier, later = _overtaken(sent)
+    ways = [sent.rows(link, to_agent) for link in range(len(recording.links)) for to_agent in (True, False)]
+    earlier, later = np.concatenate([np.zeros((0, 2), np.int64), *(_overtaken(sent, ours) for ours in ways)]).T
+    order = np.lexsort((later, sent.arrived[later]))
+    earlier, later = earlier[order], later[order]
     waits = (sent.arrived[later] - sent.arrived[earlier]) / MILLISECOND
     yield packed(file, waits, sent.packets[earlier], sent.packets[later])
 
 
-def _overtaken(sent: PackedTransmissions) -> tuple[Numbers, Numbers]:
-    """Pairs that cannot be explained otherwise: whichever of the messages with its content the first is, it was sent
-    after the second, whichever of those with its content that is."""
-    counts = np.bincount(sent.contents)
-    top = np.cumsum(counts)[sent.contents]
-    first = top - counts[sent.contents]
-    times = sent.sent[np.lexsort((sent.sent, sent.contents))]
-    arrived = np.flatnonzero(sent.counts > 0)
-    order = arrived[np.argsort(sent.arrived[arrived], kind="stable")]
-    way = 2 * sent.links[order] + sent.to_agent[order]
-    by_way = np.argsort(way, kind="stable")
-    found = [np.zeros((0, 3), np.int64)]
-    for places in np.split(by_way, np.flatnonzero(np.diff(way[by_way])) + 1):
-        rows = order[places]
-        earliest = times[first[rows]]
-        newest = np.maximum.accumulate(earliest)
-        holder = np.maximum.accumulate(np.where(np.diff(newest, prepend=-1) > 0, np.arange(len(rows)), 0))
-        late = np.flatnonzero(newest[:-1] > earliest[1:]) + 1
-        limits = zip(*(column[rows[late]].tolist() for column in (sent.arrived, first + 1, top)), strict=True)
-        at_most = times[np.array([bisect_right(times, *limit) - 1 for limit in limits], np.int64)]
-        overtaken = newest[late - 1] > at_most
-        late = late[overtaken]
-        found.append(np.stack([places[late], rows[holder[late - 1]], rows[late]], axis=1))
-    pairs = np.concatenate(found)
-    pairs = pairs[np.argsort(pairs[:, 0], kind="stable")]
-    return pairs[:, 1], pairs[:, 2]
+def _overtaken(sent: PackedTransmissions, ours: Numbers) -> Numbers:
+    """Pairs of rows of one way that cannot be explained otherwise: whichever of the messages with its content the first
+    is, it was sent after the second, whichever of those with its content that is."""
+    by_content = np.lexsort((sent.sent[ours], sent.contents[ours]))
+    times, contents = sent.sent[ours[by_content]], sent.contents[ours[by_content]]
+    first = np.zeros(len(ours), np.int64)
+    first[by_content] = np.maximum.accumulate(np.where(np.diff(contents, prepend=-1) != 0, np.arange(len(ours)), 0))
+    arrived = np.flatnonzero(sent.counts[ours] > 0)
+    places = arrived[np.argsort(sent.arrived[ours[arrived]], kind="stable")]
+    earliest = times[first[places]]
+    newest = np.maximum.accumulate(earliest)
+    holder = np.maximum.accumulate(np.where(np.diff(newest, prepend=-1) > 0, np.arange(len(places)), 0))
+    late = np.flatnonzero(newest[:-1] > earliest[1:]) + 1
+    begins, moments = first[places[late]], sent.arrived[ours[places[late]]]
+    ends = np.searchsorted(contents, contents[begins], side="right")
+    limits = zip(moments.tolist(), (begins + 1).tolist(), ends.tolist(), strict=True)
+    at_most = times[np.array([bisect_right(times, *limit) - 1 for limit in limits], np.int64)]
+    overtaken = newest[late - 1] > at_most
+    return ours[np.stack([places[holder[late - 1]], places[late]], axis=1)[overtaken]]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from tachk.base.plain_data import Fields, PlainData
 from tachk.base.records import dataclass
+from tachk.report.json_text import LongList
 from tachk.xrce.measuring.measure import Measurement
-from tachk.xrce.measuring.quantity import Observation, PacketPlace, Quantity
+from tachk.xrce.measuring.quantity import Observation, PackedSamples, PacketPlace, Quantity
 from tachk.xrce.measuring.settings import Setting
 
 _PLACES = 6
@@ -46,7 +47,7 @@ def settings_line(found: Measurement, time: ModelTime) -> str:
 
 
 def measurement_to_json(found: Measurement, time: ModelTime) -> dict[str, Any]:
-    """The measurement as a dictionary for `json.dumps`."""
+    """The measurement as a dictionary for `json_pieces`."""
     return {
         **PlainData(_FORMS).of(found),
         "unit_ms": time.milliseconds,
@@ -55,15 +56,25 @@ def measurement_to_json(found: Measurement, time: ModelTime) -> dict[str, Any]:
     }
 
 
-_FORMS = {
+_FORMS: dict[type, Fields | Callable[[Any], object]] = {
     Measurement: Fields("files problems quantities"),
     Quantity: Fields(
         "name title unit value min=minimum median max=maximum count confidence how samples",
         count=lambda quantity: len(quantity.samples),
-        samples=lambda quantity: list(quantity.samples),
+        samples=lambda quantity: _samples_to_json(quantity.samples),
     ),
+    LongList: lambda samples: samples,
     Observation: Fields("value packets=places"),
 }
+
+
+def _samples_to_json(samples: Sequence[Observation]) -> list[Observation] | LongList:
+    if not isinstance(samples, PackedSamples):
+        return list(samples)
+    return LongList(
+        {"value": value, "packets": [{"file": file, "packet": packet} for file, packet in places]}
+        for value, places in samples.rows()
+    )
 
 
 def _setting_to_json(setting: Setting, time: ModelTime) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from tachk.cli import options
 from tachk.cli.destination import destination
 from tachk.cli.distribution import distributed
 from tachk.cli.exit_status import ExitStatus
-from tachk.report.json_text import json_text
+from tachk.report.json_text import json_pieces
 
 if TYPE_CHECKING:
     from tachk.xrce.report.measurement import ModelTime
@@ -85,12 +85,12 @@ def run_measure(measuring: MeasureArguments) -> ExitStatus:
     with destination(measuring.output) as out:
         match measuring.form:
             case "json":
-                text = json_text(measurement_to_json(found, time))
+                pieces = json_pieces(measurement_to_json(found, time))
             case "settings":
-                text = settings_line(found, time) + "\n"
+                pieces = iter([settings_line(found, time) + "\n"])
             case _:
-                text = measurement_to_text(found, time)
-        print(text, end="", file=out)
+                pieces = iter([measurement_to_text(found, time)])
+        (out or sys.stdout).writelines(pieces)
     return ExitStatus.AS_EXPECTED
 
 
