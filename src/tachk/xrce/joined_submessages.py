@@ -68,7 +68,7 @@ def joined(pieces: Iterable[tuple[Submessages, Flags]]) -> Submessages:
     """
     of_messages = GrowingColumns(_OF_MESSAGES)
     of_submessages = GrowingColumns({**_OF_SUBMESSAGES, "message": np.int32, "sizes": np.int32})
-    octets = GrowingColumns({"octets": np.uint8})
+    octets = bytearray()
     problems: dict[int, str] = {}
     texts: dict[str, str] = {}
     messages = entries = 0
@@ -79,14 +79,18 @@ def joined(pieces: Iterable[tuple[Submessages, Flags]]) -> Submessages:
         columns = {name: getattr(found, name)[chosen] for name in _OF_SUBMESSAGES}
         message = np.cumsum(wanted)[found.message[chosen]] - 1 + messages
         of_submessages.extend({**columns, "message": message, "sizes": sizes})
-        octets.extend({"octets": found.messages.octets[places_in(found.starts[chosen], sizes)]})
+        there = memoryview(found.messages.octets.data)
+        stretches = zip(found.starts[chosen].tolist(), sizes.tolist(), strict=True)
+        octets += b"".join([there[start : start + size] for start, size in stretches if size])
         for number in np.flatnonzero(found.kind[chosen] == MALFORMED).tolist():
             problem = found.problems[int(chosen[number])]
             problems[entries + number] = texts.setdefault(problem, problem)
         messages += int(wanted.sum())
         entries += len(chosen)
     nothing = np.broadcast_to(np.int64(0), messages)
-    held = Messages(**octets.whole(), **of_messages.whole(), starts=nothing, sizes=nothing, missing=nothing)
+    held = Messages(
+        octets=np.frombuffer(octets, np.uint8), **of_messages.whole(), starts=nothing, sizes=nothing, missing=nothing
+    )
     whole = of_submessages.whole()
     ends = np.cumsum(whole["sizes"], dtype=np.int64)
     return Submessages(held, **whole, starts=ends - whole["sizes"], problems=problems, contents={})

@@ -264,9 +264,14 @@ class MessageReader:
 
     def _number(self, hosts: Octets, ports: Numbers) -> Numbers:
         """The numbers of endpoints, old and new."""
-        keys = np.concatenate([hosts, ports.astype(">u2").view(np.uint8).reshape(-1, 2)], axis=1)
-        different, inverse = np.unique(np.ascontiguousarray(keys).view("V18").ravel(), return_inverse=True)
-        return np.array([self._endpoint(key.tobytes()) for key in different], np.int64)[inverse]
+        high, low = np.ascontiguousarray(hosts).view(">u8").astype(np.uint64).T
+        order = np.lexsort((ports, low, high))
+        begins = np.ones(len(order), np.bool_)
+        begins[1:] = np.any([np.diff(column[order]) != 0 for column in (ports, low, high)], axis=0)
+        different = [self._endpoint(_key(hosts[entry], int(ports[entry]))) for entry in order[begins].tolist()]
+        numbers = np.zeros(len(order), np.int64)
+        numbers[order] = np.array(different, np.int64)[np.cumsum(begins) - 1]
+        return numbers
 
     def _endpoint(self, key: bytes) -> int:
         if key not in self._numbers:

@@ -211,12 +211,17 @@ def overtakings(file: str, recording: Capture) -> Iterator[PackedSamples]:
 def _overtaken(sent: PackedTransmissions, ours: Numbers) -> Numbers:
     """Pairs of rows of one way that cannot be explained otherwise: whichever of the messages with its content the first
     is, it was sent after the second, whichever of those with its content that is."""
+    arrived = np.flatnonzero(sent.counts[ours] > 0)
+    places = arrived[np.argsort(sent.arrived[ours[arrived]], kind="stable")]
+    in_order = ours[places]
+    if (np.diff(sent.sent[in_order]) >= 0).all() and (sent.sent[in_order] <= sent.arrived[in_order]).all():
+        return np.zeros(
+            (0, 2), np.int64
+        )  # as mostly: whatever the contents, none was sent after one that arrived later
     by_content = np.lexsort((sent.sent[ours], sent.contents[ours]))
     times, contents = sent.sent[ours[by_content]], sent.contents[ours[by_content]]
     first = np.zeros(len(ours), np.int64)
     first[by_content] = np.maximum.accumulate(np.where(np.diff(contents, prepend=-1) != 0, np.arange(len(ours)), 0))
-    arrived = np.flatnonzero(sent.counts[ours] > 0)
-    places = arrived[np.argsort(sent.arrived[ours[arrived]], kind="stable")]
     earliest = times[first[places]]
     newest = np.maximum.accumulate(earliest)
     holder = np.maximum.accumulate(np.where(np.diff(newest, prepend=-1) > 0, np.arange(len(places)), 0))
