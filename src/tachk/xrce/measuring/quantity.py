@@ -112,7 +112,8 @@ class PackedSamples(Sequence[Observation]):
 
     def places(self) -> int:
         """The number of packets that they came from."""
-        return int(np.count_nonzero(np.diff(np.sort(self._places)))) + (len(self._places) > 0)
+        places = np.sort(self._places)
+        return int(np.count_nonzero(places[1:] != places[:-1])) + (len(places) > 0)
 
     @staticmethod
     def together(found: Sequence[PackedSamples]) -> PackedSamples:
