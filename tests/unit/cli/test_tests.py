@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from tachk.cli.main import app
+from tests.unit.simulation.testing.test_tester import DRIVEN, LAMP, program
 
 ROOT = Path(__file__).parents[3]
 FISCHER = ROOT / "models" / "classics" / "fischer.ta"
@@ -74,6 +76,23 @@ def test_a_suite_fails_for_a_changed_model(tmp_path: Path) -> None:
     assert changed != text
     model.write_text(changed, encoding="utf-8")
     assert "failed" in replayed().stdout
+
+
+@pytest.mark.parametrize(("delay", "result"), [(4, "passed"), (7.5, "failed")])
+def test_a_suite_tests_a_program(tmp_path: Path, delay: float, result: str) -> None:
+    """Without one it says that there is none."""
+    model = tmp_path / "lamp.ta"
+    model.write_text(LAMP, encoding="utf-8")
+    assert made(model, "-o", tmp_path / "suite")[0] == 0
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rs", "suite/test_cover.py"]
+    for adapter, expected in (
+        (None, "TACHK_ADAPTER names no system"),
+        (f"driven:{program(DRIVEN, delay)}", f"1 {result}"),
+    ):
+        environment = {**os.environ} if adapter is None else {**os.environ, "TACHK_ADAPTER": adapter}
+        run = [*command, "-k", "test_system"]
+        done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+        assert expected in done.stdout, done.stdout
 
 
 def test_what_cannot_be_covered_has_a_reason(tmp_path: Path) -> None:

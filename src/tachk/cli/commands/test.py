@@ -23,6 +23,7 @@ from tachk.engine.options import Limits
 from tachk.simulation.testing.goals import TestGoal
 
 if TYPE_CHECKING:
+    from tachk.api.model import Model
     from tachk.frontend.loaded import LoadedModel
     from tachk.simulation.testing.property_goal import PropertyGoal
 
@@ -59,6 +60,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="How inputs are chosen. edges: half of them on the way to an edge of the system that was not taken yet. "
     "PROPERTY: on the way to a state that decides this property of the model, along a run that `tachk verify` finds.",
+)
+@click.option(
+    "--inputs",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Send the inputs of this recording, at its times, in place of chosen ones: a test as --record writes it, or a "
+    "run of `tachk tests`. By default the test lasts a pause longer than the recording.",
 )
 @click.option(
     "--pause",
@@ -123,6 +131,7 @@ class TestArguments:
     record: Path | None = None
     junit: Path | None = None
     shorten: float | None = None
+    inputs: Path | None = None
     goal: str = TestGoal.RANDOM.value
     states: int | None = None
 
@@ -131,20 +140,19 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
     """Tests a system, and reports."""
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions
+    from tachk.recordings.conformance.conform_file import read_recording
     from tachk.recordings.conformance.event_tables import event_rows
+    from tachk.recordings.conformance.question import Question
     from tachk.report.conformance.tested import test_to_json, test_to_junit, test_to_text
     from tachk.simulation.testing.tested_model import TestRequest, nanoseconds_of, run_test_of_model
     from tachk.simulation.testing.tester import TestVerdict
-    from tachk.verify.property_goal import property_goal
 
+    if arguments.inputs is not None and arguments.goal != TestGoal.RANDOM.value:
+        raise UsageError("the inputs of a recording have no other goal", "leave out --goal or --inputs")
     model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     system, limits = _system_under_test(arguments), Limits(states=arguments.states)
     with limited(seconds):
-        if arguments.goal in tuple(TestGoal):
-            goal: TestGoal | PropertyGoal = TestGoal(arguments.goal)
-        else:
-            goal = property_goal(model.loaded, model.path, arguments.goal, limits)
         request = TestRequest(
             system,
             arguments.duration,
@@ -153,7 +161,8 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
             arguments.late,
             arguments.pause,
             arguments.shorten,
-            goal,
+            _goal(arguments.goal, model, limits),
+            None if arguments.inputs is None else read_recording(arguments.inputs, Question(), model.loaded),
         )
         result, shortening = run_test_of_model(model.loaded, model.path, request, limits)
     unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
@@ -176,6 +185,15 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
         TestVerdict.FAIL: ExitStatus.NOT_AS_EXPECTED,
         TestVerdict.INCONCLUSIVE: ExitStatus.UNKNOWN,
     }[result.verdict]
+
+
+def _goal(name: str, model: Model, limits: Limits) -> TestGoal | PropertyGoal:
+    """Raises UsageError for what is no goal."""
+    from tachk.verify.property_goal import property_goal
+
+    if name in tuple(TestGoal):
+        return TestGoal(name)
+    return property_goal(model.loaded, model.path, name, limits)
 
 
 def _system_under_test(arguments: TestArguments) -> str | LoadedModel:

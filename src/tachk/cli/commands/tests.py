@@ -127,7 +127,7 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
     from tachk.report.covering.replaying_file import pytest_file
     from tachk.simulation.stepping.run_file import SUFFIX, run_text
     from tachk.simulation.testing.run_events import recording_of_run
-    from tachk.simulation.testing.tested_model import nanoseconds_of
+    from tachk.simulation.testing.tested_model import input_names, nanoseconds_of
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -137,7 +137,9 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
     constants = {name: value for name, value in model.constants.items() if name in given}
     names, stem, mapping = RunNames(model.network), Path(arguments.model).stem, model.loaded.recording
     length = nanoseconds_of(model.network.time_unit)
+    inputs = () if mapping is None else input_names(model.network, mapping)
     files: list[list[str]] = []
+    scripts: list[str] = []
     for number, each in enumerate(suite.runs, start=1):
         run = f"{stem}-{number}{SUFFIX}"
         heading = [f"a run of {Path(arguments.model).name}, {number} of {len(suite.runs)}"]
@@ -153,11 +155,14 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
                 continue
             write_whole(folder / recording, "".join(event_rows(events, length)))
             files[-1].append(recording)
+            if mapping.replaced and any(each.name in inputs for each in events.events):
+                scripts.append(recording)
     text = pytest_file(
         os.path.relpath(arguments.model, folder).replace(os.sep, "/"),
         arguments.definitions,
         [each[0] for each in files],
         [name for each in files for name in each[1:]],
+        scripts,
         _write_proofs(arguments, folder, model, suite),
     )
     write_whole(folder / "test_cover.py", text)

@@ -9,6 +9,7 @@ _TEMPLATE = '''"""Replays the runs of this folder on the model. Written by `tach
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -23,7 +24,7 @@ RECORDINGS: list[str] = {recordings}
 
 
 def check(command: str, file: str, *options: str) -> None:
-    arguments = [command, str(MODEL), str(FOLDER / file), *DEFINITIONS, *options]
+    arguments = [command, str(MODEL), file, *DEFINITIONS, *options]
     done = subprocess.run([sys.executable, "-m", "tachk", *arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -31,7 +32,7 @@ def check(command: str, file: str, *options: str) -> None:
 @pytest.mark.parametrize("run", RUNS)
 def test_run(run: str) -> None:
     """It is a run of the model."""
-    check("replay", run, "--quiet")
+    check("replay", str(FOLDER / run), "--quiet")
 '''
 
 _OF_RECORDINGS = '''
@@ -39,7 +40,20 @@ _OF_RECORDINGS = '''
 @pytest.mark.parametrize("recording", RECORDINGS)
 def test_recording(recording: str) -> None:
     """The events are those of a run of the model."""
-    check("conform", recording)
+    check("conform", str(FOLDER / recording))
+'''
+
+_OF_TESTS = '''
+
+SCRIPTS = {scripts}
+SYSTEM = os.environ.get("TACHK_ADAPTER")
+
+
+@pytest.mark.skipif(SYSTEM is None, reason="TACHK_ADAPTER names no system, such as process:./program")
+@pytest.mark.parametrize("recording", SCRIPTS)
+def test_system(recording: str) -> None:
+    """The system does what the model allows while it gets the inputs of the run."""
+    check("test", "--inputs=" + str(FOLDER / recording), "--adapter", str(SYSTEM))
 '''
 
 _OF_PROOFS = '''
@@ -57,6 +71,7 @@ def pytest_file(
     definitions: Sequence[str],
     runs: Sequence[str],
     recordings: Sequence[str],
+    scripts: Sequence[str],
     proofs: tuple[str, str] | None = None,
 ) -> str:
     """The text of the file.
@@ -65,11 +80,15 @@ def pytest_file(
         model: its path from the folder of the file.
         definitions: those of ``-D``, as they were given.
         runs, recordings: the names of files of the folder.
+        scripts: the recordings that have inputs of a system.
         proofs: those of the model that notes what is taken and of the certificate about it; None: there is none.
     """
     given = [word for each in definitions for word in ("-D", each)]
-    template = _TEMPLATE + (_OF_RECORDINGS if recordings else "") + ("" if proofs is None else _OF_PROOFS)
+    template = _TEMPLATE + (_OF_RECORDINGS if recordings else "") + (_OF_TESTS if scripts else "")
+    template += "" if proofs is None else _OF_PROOFS
     noting, certificate = proofs or ("", "")
+    if not scripts:
+        template = template.replace("import os\n", "")
     if not recordings:
         template = template.replace("RECORDINGS: list[str] = {recordings}\n", "")
     return template.format(
@@ -77,6 +96,7 @@ def pytest_file(
         definitions=_listed(given),
         runs=_listed(runs),
         recordings=_listed(recordings),
+        scripts=_listed(scripts),
         noting=_quoted(noting),
         proofs=_quoted(certificate),
     )

@@ -5,15 +5,20 @@ from __future__ import annotations
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.base.records import dataclass
+from tachk.base.records import dataclass, replace
 from tachk.base.time_units import length_of
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
 from tachk.frontend.loaded import LoadedModel
+from tachk.model.network import Network
+from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.conform_file import constants_of, duration
+from tachk.recordings.conformance.event_streams import EventStreamReader, is_output, origin_of
+from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
 from tachk.simulation.testing.goals import TestGoal
+from tachk.simulation.testing.input_choice import ScriptedInputs
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.property_goal import PropertyGoal
 from tachk.simulation.testing.shortening import Shortening, shorten
@@ -33,6 +38,7 @@ class TestRequest:
         duration: such as ``5ms``; None: 10 s, or 10,000 units of a model that does not say how long a unit is.
         pause, tolerance, late: durations; None: as the model says.
         shorten: for so many seconds shorter tests that fail are looked for if a test fails.
+        inputs: a recording whose inputs are sent, at its times, in place of chosen ones.
     """
 
     __test__ = False
@@ -45,6 +51,7 @@ class TestRequest:
     pause: str | None = None
     shorten: float | None = None
     goal: TestGoal | PropertyGoal = TestGoal.RANDOM
+    inputs: EventLog | None = None
 
 
 def run_test_of_model(
@@ -91,12 +98,44 @@ def run_test_of_model(
             return open_adapter(request.adapter, nanoseconds_of(unit))
         return _system_of(request.adapter, request.seed)
 
-    run = follow(tested, open_system(), settings, tested.inputs(settings))
+    inputs = tested.inputs(settings)
+    if request.inputs is not None:
+        script = _script(tested, request.inputs, settings)
+        inputs = ScriptedInputs(script.events)
+        if request.duration is None:
+            settings = replace(settings, duration=script.end + tested.pause(settings))
+    run = follow(tested, open_system(), settings, inputs)
     result = confirmed(tested, run)
     if request.shorten is None or result.verdict is not TestVerdict.FAIL:
         return result, None
     shortening = shorten(tested, open_system, run, result, request.shorten)
     return shortening.result, shortening
+
+
+def _script(model: TestedModel, recording: EventLog, settings: TestSettings) -> EventLog:
+    """The inputs of a recording, with times in units of the model since its start. Raises UsageError if it has none, or
+    one that the model does not have."""
+    origin, scale = origin_of(model.network, recording, (settings.tolerance, settings.late))
+    names = input_names(model.network, model.mapping)
+    inputs = tuple(
+        replace(event, time=(event.time - origin) * scale) for event in recording.events if event.name in names
+    )
+    if not inputs:
+        raise UsageError(
+            f"{recording.source} has no event that is an input of the system",
+            f"the inputs in the model are {', '.join(f'`{name}`' for name in sorted(names))}",
+        )
+    reader = EventStreamReader(model.mapping, recording, model.constants)
+    for event in inputs:
+        reader.place(event)
+    end = max((recording.end - origin) * scale, inputs[-1].time) + settings.tolerance + settings.late + 1
+    return EventLog(recording.source, inputs, None, Fraction(0), end)
+
+
+def input_names(network: Network, mapping: RecordingMap) -> frozenset[str]:
+    """The events that the environment sends."""
+    modelled = [process for number, process in enumerate(network.processes) if number not in mapping.replaced]
+    return frozenset(visible.event for visible in mapping.visible if not is_output(visible, modelled))
 
 
 def _pause(text: str, unit: str) -> int:

@@ -218,6 +218,14 @@ def _is_test_to_blame(model: TestedModel, run: TestRun, found: Conformance) -> b
     return seen.accepted is True
 
 
+def _unexpected(run: TestRun) -> str:
+    """What the environment of the model does not do, or does not expect."""
+    last = run.recording.events[-1]
+    if any(last is each for each in run.sent):
+        return f"the test sent `{last.name}` at a moment at which the environment of the model does not"
+    return "the system did what the environment of the model does not expect"
+
+
 def confirmed(model: TestedModel, run: TestRun) -> TestResult:
     """The result of a test, confirmed by the search of `tachk conform`. Raises InternalError if that disagrees."""
     settings, found, reason = run.settings, None, run.reason
@@ -239,7 +247,7 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
             raise InternalError("the recording of a test that passed is not a run of the model")
         if verdict is TestVerdict.FAIL and found.accepted is True:
             verdict = TestVerdict.INCONCLUSIVE
-            reason = run.overdue or "the system did what the environment of the model does not expect"
+            reason = run.overdue or _unexpected(run)
         if verdict is TestVerdict.FAIL and _is_test_to_blame(model, run, found):
             verdict = TestVerdict.INCONCLUSIVE
             reason = "the test sent an input at the very moment from which on the model does not allow it"
