@@ -6,21 +6,26 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "states/extent_grid.hpp"
 #include "zones/extent.hpp"
 
 namespace tachk::states {
 
 class Antichain {
  public:
+  using ExtentOf = std::function<zones::Extent(std::uint32_t)>;
+
   Antichain();
 
-  // The numbers of members rise. Those that are `first_waiting` or larger are remembered as waiting.
-  void add(const zones::Extent& extent, std::uint32_t number, std::uint32_t first_waiting);
+  // The numbers of members rise. Those that are `first_waiting` or larger are remembered as waiting. `extent_of` gives
+  // the extents of other members, which are known roughly only.
+  void add(const zones::Extent& extent, std::uint32_t number, std::uint32_t first_waiting, const ExtentOf& extent_of);
 
   // Visits the members that wait, with numbers from `first` on, the newest first; and perhaps some that are removed.
   template <class Visit>
@@ -29,24 +34,20 @@ class Antichain {
   }
 
   // Gives each member a new extent.
-  template <class ExtentOf>
-  void measure_anew(ExtentOf extent_of) {
-    Antichain fresh;
-    for_each([&](std::uint32_t number) { fresh.add(extent_of(number), number, UINT32_MAX); });
-    fresh.waiting_ = std::move(waiting_);
-    *this = std::move(fresh);
-  }
+  void measure_anew(const ExtentOf& extent_of);
 
-  // True if `accept(number)` is true of a member whose extent may include this one. Adds to `examined` how many extents
-  // it looks at.
+  // True if `accept(number)` is true of a member whose extent may include this one, as far as that is known. Adds to
+  // `examined` how many extents it looks at.
   template <class Accept>
   bool any_above(const zones::Extent& extent, Accept accept, std::uint64_t& examined) const {
-    return any_above(root_, extent, accept, examined);
+    return root_.most.may_include(extent) && any_above(root_, extent, accept, examined);
   }
 
-  // Removes the members whose extents this one may include and for which `covered(number)` is true.
+  // Removes the members whose extents this one may include, as far as that is known, and for which `covered(number)` is
+  // true.
   template <class Covered>
   void remove_below(const zones::Extent& extent, Covered covered) {
+    if (!extent.may_include(root_.least)) return;
     remove_below(root_, extent, covered);
     while (root_.group->parts.size() == 1) lower_root();
   }
@@ -62,21 +63,16 @@ class Antichain {
  private:
   struct Group;
   struct Member {
-    zones::Extent extent;
+    ExtentCode code;  // in the grid of its group
     std::uint32_t number;
-
-    const zones::Extent& smallest() const { return extent; }
-    const zones::Extent& largest() const { return extent; }
   };
   struct Part {
     zones::Extent least;  // componentwise, of all members
     zones::Extent most;
     std::unique_ptr<Group> group;
-
-    const zones::Extent& smallest() const { return least; }
-    const zones::Extent& largest() const { return most; }
   };
   struct Group {
+    ExtentGrid grid;
     std::vector<Member> members;  // of a leaf
     std::vector<Part> parts;      // of an inner group
 
@@ -89,8 +85,9 @@ class Antichain {
   template <class Accept>
   static bool any_above(const Part& part, const zones::Extent& extent, Accept& accept, std::uint64_t& examined) {
     examined += part.group->members.size() + part.group->parts.size();
+    const ExtentCode code = part.group->grid.code(extent.nearest(part.least, part.most));
     for (const Member& member : part.group->members)
-      if (member.extent.may_include(extent) && accept(member.number)) return true;
+      if (member.code.may_include(code) && accept(member.number)) return true;
     for (const Part& inner : part.group->parts)
       if (inner.most.may_include(extent) && any_above(inner, extent, accept, examined)) return true;
     return false;
@@ -100,9 +97,9 @@ class Antichain {
   template <class Covered>
   bool remove_below(Part& part, const zones::Extent& extent, Covered& covered) {
     Group& group = *part.group;
-    std::size_t removed = std::erase_if(group.members, [&](const Member& member) {
-      return extent.may_include(member.extent) && covered(member.number);
-    });
+    const ExtentCode code = group.grid.code(extent.nearest(part.least, part.most));
+    std::size_t removed = std::erase_if(
+        group.members, [&](const Member& member) { return code.may_include(member.code) && covered(member.number); });
     const std::size_t members = removed;
     for (Part& inner : group.parts)
       if (extent.may_include(inner.least) && remove_below(inner, extent, covered)) ++removed;
@@ -124,9 +121,16 @@ class Antichain {
   }
 
   // Adds a member to a part; a group that is full gives off half of its own as a part of its own.
-  std::optional<Part> add_to(Part& part, const Member& member);
-  template <class Entry>
-  std::optional<Part> append(Part& part, std::vector<Entry> Group::* list, Entry entry);
+  std::optional<Part> add_to(Part& part, const zones::Extent& extent, std::uint32_t number, const ExtentOf& extent_of);
+  // Adds a member to a leaf, whose bounds it lies within, and `widens` if it has not before.
+  static void append_member(Part& leaf, const zones::Extent& extent, std::uint32_t number, bool widens);
+  // Divides what is in a group in the middle of its widest component.
+  std::optional<Part> divided(Part& part, const ExtentOf& extent_of);
+  template <class Entry, class Place>
+  static void give_off(std::vector<Entry>& entries, std::vector<Entry>& half, Place place);
+  // Gives the members of a leaf a finer grid if there is one.
+  static void refine(Part& leaf, const ExtentOf& extent_of);
+  // Bounds of what is in a group.
   static void fit(Part& part);
   void lower_root();
 

@@ -12,13 +12,13 @@
 
 namespace tachk::states {
 
-// Records of a block where there may be few of them.
+// Bytes of a block: little beside what a search takes that stores some ten thousand states.
 inline constexpr std::size_t small_block = std::size_t{1} << 15;
 
 // Records of a fixed number of bytes, numbered from 0, aligned to 64 bytes per block. Addresses are stable.
 class RecordPool {
  public:
-  explicit RecordPool(std::size_t record_bytes, std::size_t least_block_bytes = std::size_t{1} << 18)
+  explicit RecordPool(std::size_t record_bytes, std::size_t least_block_bytes = small_block)
       : record_bytes_(record_bytes) {
     while ((std::size_t{1} << shift_) * record_bytes_ < least_block_bytes && shift_ < 20) ++shift_;
   }

@@ -24,7 +24,6 @@ class Parents {
 
  private:
   static constexpr std::uint32_t group_size = 64;  // nodes; as many words of 64 bits as each has bits
-  static constexpr std::size_t small_block = std::size_t{1} << 15;
 
   struct Group {
     std::uint32_t least;
@@ -37,8 +36,8 @@ class Parents {
 
   // Numbers larger by one than those of the parents, so that none is 0.
   std::array<std::uint32_t, group_size> last_;  // of the nodes behind the last full group
-  RecordPool groups_{sizeof(Group), small_block};
-  RecordPool words_{sizeof(std::uint64_t), small_block};
+  RecordPool groups_{sizeof(Group)};
+  RecordPool words_{sizeof(std::uint64_t)};
   std::uint32_t size_ = 0;
 };
 

@@ -147,7 +147,7 @@ bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_num
 void PassedList::measure_anew() {
   for (Antichain& members : chains_) {
     chain_bytes_ -= members.bytes();
-    members.measure_anew([&](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
+    members.measure_anew([this](std::uint32_t number) { return extent_of(zone(number, buffer_)); });
     chain_bytes_ += members.bytes();
   }
 }
@@ -168,7 +168,8 @@ void PassedList::add_to(Antichain& members, std::uint32_t number, ZoneView zone)
   const zones::Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
   if (scale_.admit(largest_entry)) measure_anew();
   chain_bytes_ -= members.bytes();
-  members.add(extent_of(zone), number, first_waiting_);
+  members.add(extent_of(zone), number, first_waiting_,
+              [this](std::uint32_t other) { return extent_of(this->zone(other, buffer_)); });
   chain_bytes_ += members.bytes();
   if (scale_.is_due() && members.size() >= FittedScale::sample) fit_scale(members);
 }

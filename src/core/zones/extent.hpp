@@ -28,6 +28,14 @@ struct Extent {
     for (int p = 0; p < 2; ++p) put(p, other.part(p) < part(p) ? other.part(p) : part(p));
   }
 
+  // The nearest one within two bounds.
+  Extent nearest(const Extent& least, const Extent& most) const {
+    Extent result = *this;
+    result.lower_to(most);
+    result.raise_to(least);
+    return result;
+  }
+
   // How far it lies outside of two bounds, summed over the components.
   std::uint32_t distance(const Extent& least, const Extent& most) const {
     Quads sum{};

@@ -50,6 +50,8 @@ void check_waiting(const Antichain& antichain, const std::vector<std::pair<Exten
 void test_extents(int components, int range, std::uint32_t steps) {
   Random random{std::mt19937(static_cast<std::uint32_t>(components))};
   std::vector<std::pair<Extent, std::uint32_t>> plain;
+  std::vector<Extent> extents;
+  const auto extent_of = [&](std::uint32_t number) { return extents[number]; };
   Antichain antichain;
   const std::size_t empty_bytes = antichain.bytes();
   std::size_t longest = 0;
@@ -63,16 +65,18 @@ void test_extents(int components, int range, std::uint32_t steps) {
       rest -= sum;
     }
     extent.sums[0] = static_cast<std::int16_t>(rest);
+    extents.push_back(extent);
     const auto takes_part = [](std::uint32_t number) { return number % 3 != 0; };
     const bool above = std::any_of(plain.begin(), plain.end(), [&](const auto& member) {
       return member.first.may_include(extent) && takes_part(member.second);
     });
     std::uint64_t examined = 0;
-    CHECK(antichain.any_above(extent, takes_part, examined) == above);
+    const auto accept = [&](std::uint32_t number) { return takes_part(number) && extents[number].may_include(extent); };
+    CHECK(antichain.any_above(extent, accept, examined) == above);
     if (above) continue;
     std::set<std::uint32_t> removed;
     antichain.remove_below(extent, [&](std::uint32_t number) {
-      if (!takes_part(number)) return false;
+      if (!takes_part(number) || !extent.may_include(extents[number])) return false;
       CHECK(removed.insert(number).second);
       return true;
     });
@@ -85,11 +89,11 @@ void test_extents(int components, int range, std::uint32_t steps) {
     CHECK(before - plain.size() == removed.size());
     if (random.below(4) == 0) first_waiting += static_cast<std::uint32_t>(random.below(8));
     first_waiting = std::min(first_waiting, step);
-    antichain.add(extent, step, first_waiting);
+    antichain.add(extent, step, first_waiting, extent_of);
     plain.push_back({extent, step});
     if (step % 16 == 0) check_waiting(antichain, plain, first_waiting);
     longest = std::max(longest, plain.size());
-    CHECK(antichain.bytes() > empty_bytes + plain.size() * sizeof(Extent));
+    CHECK(antichain.bytes() > empty_bytes + plain.size() * sizeof(ExtentCode));
     if (step % 500 != 0) continue;
     const std::set<std::uint32_t> present = numbers(antichain);
     CHECK(present.size() == plain.size());
@@ -100,8 +104,54 @@ void test_extents(int components, int range, std::uint32_t steps) {
   std::fill_n(all.sums, Extent::count, INT16_MAX);
   antichain.remove_below(all, [](std::uint32_t) { return true; });
   CHECK(numbers(antichain).empty());
-  antichain.add(all, 7, UINT32_MAX);
+  antichain.add(all, 7, UINT32_MAX, extent_of);
   CHECK(numbers(antichain) == std::set<std::uint32_t>{7});
+}
+
+// Extents that arrive one by one in grids that become coarser: an extent lies in its cell, and none loses against one
+// that it includes.
+void test_grids(int range) {
+  Random random{std::mt19937(static_cast<std::uint32_t>(range))};
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Extent> extents;
+    std::vector<ExtentCode> codes;
+    Extent least{};
+    Extent most{};
+    ExtentGrid grid;
+    for (int step = 0; step < 60; ++step) {
+      Extent extent{};
+      const int reach = 1 + range * (1 + random.below(step + 1)) / 60;
+      for (std::int16_t& sum : extent.sums)
+        sum = static_cast<std::int16_t>(std::clamp(random.below(2 * reach) - reach, INT16_MIN, INT16_MAX));
+      if (!extents.empty() && random.below(2) == 0) {
+        extent = extents[static_cast<std::size_t>(random.below(step))];
+        std::int16_t& sum = extent.sums[random.below(Extent::count)];
+        sum = static_cast<std::int16_t>(std::max(sum - random.below(3), INT16_MIN));
+      }
+      if (extents.empty()) least = most = extent;
+      least.lower_to(extent);
+      most.raise_to(extent);
+      if (!grid.spans(least, most)) {
+        const ExtentGrid wider(least, most, grid);
+        if (!codes.empty()) {
+          const ExtentGrid::Change change(grid, wider);
+          for (ExtentCode& code : codes) code = change(code);
+        }
+        grid = wider;
+        CHECK(grid.spans(least, most));
+      }
+      extents.push_back(extent);
+      codes.push_back(grid.code(extent));
+      for (std::size_t n = 0; n < extents.size(); ++n) {
+        CHECK(extents[n].may_include(grid.least(codes[n])));
+        CHECK(grid.most(codes[n]).may_include(extents[n]));
+        CHECK(std::equal(codes[n].sums, codes[n].sums + Extent::count, grid.code(extents[n]).sums));
+        if (extent.may_include(extents[n])) CHECK(codes.back().may_include(codes[n]));
+        if (extents[n].may_include(extent)) CHECK(codes[n].may_include(codes.back()));
+      }
+    }
+    CHECK(range > 50 || std::equal(extents[0].sums, extents[0].sums + Extent::count, grid.least(codes[0]).sums));
+  }
 }
 
 // A box of about the same size as the others, mostly, somewhere within a range that grows, cut off along a diagonal.
@@ -192,6 +242,7 @@ void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool
 }  // namespace
 
 int main() {
+  for (const int range : {50, 1000, 32768}) test_grids(range);
   test_extents(2, 60000, 20000);
   test_extents(3, 50, 6000);
   test_extents(5, 100, 6000);

@@ -12,7 +12,7 @@ __extension__ typedef unsigned __int128 Wide;
 }  // namespace
 
 RowStore::RowStore(std::size_t row_bytes)
-    : row_bytes_(row_bytes), rows_(row_bytes, small_block), counts_(sizeof(std::uint32_t), small_block / 4) {}
+    : row_bytes_(row_bytes), rows_(row_bytes), counts_(sizeof(std::uint32_t), small_block / 4) {}
 
 // Two words at a time, so that no multiplication waits for another one.
 std::uint64_t RowStore::hash(const std::byte* row) const {
