@@ -41,28 +41,30 @@ def samples(found: Submessages, endpoints: list[Endpoint]) -> Column:
     return numbers
 
 
-def contents(found: Submessages, said: Column, ways: Column) -> Numbers:
-    """Two numbers for each submessage that stand for its way, and all that it says.
+def contents(found: Submessages, entries: Numbers, said: Column, ways: Column) -> Numbers:
+    """Two numbers for each submessage of some entries that stand for its way, and all that it says.
 
     Args:
-        said: its `samples`.
-        ways: by whom to whom it was sent.
+        said: the `samples` of all submessages.
+        ways: of each of these entries by whom to whom it was sent.
     """
     parts = bytearray()
-    for first in range(0, len(found.kind), _FEW):
-        few = slice(first, first + _FEW)
+    for first in range(0, len(entries), _FEW):
+        few = entries[first : first + _FEW]
         kind = found.kind[few]
         matter = np.where(np.isin(kind, _SAMPLES), FORMAT, np.where(kind == SubmessageKind.FRAGMENT, LAST_FRAGMENT, 0))
         ids = [np.where(kind == MALFORMED, NOTHING, getattr(found, name)[few]) for name in _IDS]
-        columns = [ways[few], kind, found.stream[few], found.sequence[few], *ids, found.flags[few] & matter, said[few]]
+        way = ways[first : first + _FEW]
+        columns = [way, kind, found.stream[few], found.sequence[few], *ids, found.flags[few] & matter, said[few]]
         rows = np.stack(columns, axis=1).astype(np.int32)
         size = rows.itemsize * rows.shape[1]
         parts += digests(rows.view(np.uint8).ravel(), np.arange(len(rows)) * size, np.full(len(rows), size)).data
     return np.frombuffer(parts, np.int64).reshape(-1, 2)
 
 
-def joined_contents(parts: Numbers, first: Numbers, counts: Column) -> Column:
-    """For each message a number that stands for the contents of its submessages."""
+def joined_contents(parts: Numbers, counts: Column) -> Column:
+    """For each message a number that stands for the contents of its submessages, of which it has so many."""
+    first = np.cumsum(counts) - counts
     found = parts[first]
     several = np.flatnonzero(counts > 1)
     ends = first[several] + counts[several]

@@ -49,11 +49,10 @@ class PackedTransmissions(Sequence[Transmission]):
         first = np.flatnonzero(np.diff(found.message, prepend=-1))
         counts = np.diff(np.append(first, len(found.message))).astype(np.int32)
         bits = np.bitwise_or.reduceat(_bits_of(found.kind), first) if len(first) else first
-        self._row_of_message: Numbers | None = None
         columns: list[Column] = [found.messages.times, found.messages.packets, bits, first, counts]
         if (np.diff(rows[:, 0]) < 0).any():
-            self._row_of_message = np.argsort(rows[:, 0])
-            columns = [column[np.argsort(self._row_of_message)] for column in columns]
+            order = np.argsort(np.argsort(rows[:, 0]))
+            columns = [column[order] for column in columns]
         self.sent, self.packets, self.kinds, self.first_events, self.event_counts = columns
         self.stream, self.sequence = found.stream[self.first_events], found.sequence[self.first_events]
         self.links, self.to_agent = rows[:, 1].copy(), rows[:, 2] != 0
@@ -108,15 +107,12 @@ class PackedTransmissions(Sequence[Transmission]):
         chosen = np.isin(self.submessages.kind[numbers], kinds)
         return self.samples[numbers[chosen]], np.repeat(rows, self.event_counts[rows])[chosen]
 
-    @cached_property
-    def contents(self) -> Column:
-        """For each a number that stands for what it says, and for its way."""
-        rows = (
-            self.submessages.message if self._row_of_message is None else self._row_of_message[self.submessages.message]
-        )
-        ways = 2 * self.links[rows] + self.to_agent[rows]
-        parts = contents.contents(self.submessages, self.samples, ways)
-        return contents.joined_contents(parts, self.first_events, self.event_counts)
+    def contents(self, rows: Numbers) -> Column:
+        """For each of some rows a number that stands for what it says, and for its way."""
+        counts = self.event_counts[rows]
+        ways = np.repeat(2 * self.links[rows] + self.to_agent[rows], counts)
+        entries = places_in(self.first_events[rows], counts)
+        return contents.joined_contents(contents.contents(self.submessages, entries, self.samples, ways), counts)
 
     @property
     def last_time(self) -> int:

@@ -68,8 +68,9 @@ def assert_packed_as_read(path: Path) -> PackedTransmissions:
             assert [one.packet for one in packed.where(link, to_agent)] == wanted
     kinds = frozenset({SubmessageKind.ACKNACK, SubmessageKind.CREATE})
     assert [one.packet for one in packed.where(kinds=kinds)] == [one.packet for one in read if kinds & one.kinds]
-    equal = {said(one): content for one, content in zip(read, packed.contents.tolist(), strict=True)}
-    assert [equal[said(one)] for one in read] == packed.contents.tolist()
+    contents = packed.contents(np.arange(len(packed))).tolist()
+    equal = {said(one): content for one, content in zip(read, contents, strict=True)}
+    assert [equal[said(one)] for one in read] == contents
     assert len(set(equal.values())) == len(equal)
     return packed
 

@@ -343,11 +343,11 @@ def _problems(recording: Capture) -> Iterator[str]:
 
 def _twice(sent: PackedTransmissions, ours: Numbers) -> int:
     """The number of messages shortly after an equal one of the same direction, each of which is counted once."""
-    _, numbers, counts = np.unique(sent.contents[ours], return_inverse=True, return_counts=True)
-    ours = ours[counts[numbers] > 1]
+    _, numbers, counts = np.unique(sent.contents(ours), return_inverse=True, return_counts=True)
+    several = counts[numbers] > 1
     open_: dict[int, int] = {}
     count = 0
-    for content, time in rows_of(sent.contents[ours], sent.sent[ours]):
+    for content, time in rows_of(numbers[several], sent.sent[ours[several]]):
         if time - open_.pop(content, time - _SHORTLY) < _SHORTLY:
             count += 1
         else:

@@ -28,6 +28,7 @@ from tachk.xrce.packets import Numbers
 from tachk.xrce.transmissions import Capture
 from tachk.xrce.wire import SubmessageKind
 
+_NEVER: Final = 2**62
 _SAMPLES: Final = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _SMALLEST_HISTORY: Final = 4
 _AT_ONCE: Final = 5e6
@@ -211,17 +212,13 @@ def overtakings(file: str, recording: Capture) -> Iterator[PackedSamples]:
 def _overtaken(sent: PackedTransmissions, ours: Numbers) -> Numbers:
     """Pairs of rows of one way that cannot be explained otherwise: whichever of the messages with its content the first
     is, it was sent after the second, whichever of those with its content that is."""
-    arrived = np.flatnonzero(sent.counts[ours] > 0)
-    places = arrived[np.argsort(sent.arrived[ours[arrived]], kind="stable")]
-    in_order = ours[places]
-    if (np.diff(sent.sent[in_order]) >= 0).all() and (sent.sent[in_order] <= sent.arrived[in_order]).all():
-        return np.zeros(
-            (0, 2), np.int64
-        )  # as mostly: whatever the contents, none was sent after one that arrived later
-    by_content = np.lexsort((sent.sent[ours], sent.contents[ours]))
-    times, contents = sent.sent[ours[by_content]], sent.contents[ours[by_content]]
+    ours = _out_of_order(sent, ours)
+    contents = sent.contents(ours)
+    by_content = np.lexsort((sent.sent[ours], contents))
+    times, contents = sent.sent[ours[by_content]], contents[by_content]
     first = np.zeros(len(ours), np.int64)
     first[by_content] = np.maximum.accumulate(np.where(np.diff(contents, prepend=-1) != 0, np.arange(len(ours)), 0))
+    places = _as_arrived(sent, ours)
     earliest = times[first[places]]
     newest = np.maximum.accumulate(earliest)
     holder = np.maximum.accumulate(np.where(np.diff(newest, prepend=-1) > 0, np.arange(len(places)), 0))
@@ -232,3 +229,23 @@ def _overtaken(sent: PackedTransmissions, ours: Numbers) -> Numbers:
     at_most = times[np.array([bisect_right(times, *limit) - 1 for limit in limits], np.int64)]
     overtaken = newest[late - 1] > at_most
     return ours[np.stack([places[holder[late - 1]], places[late]], axis=1)[overtaken]]
+
+
+def _as_arrived(sent: PackedTransmissions, ours: Numbers) -> Numbers:
+    """The places of those rows that arrived, in the order in which they did."""
+    arrived = np.flatnonzero(sent.counts[ours] > 0)
+    return arrived[np.argsort(sent.arrived[ours[arrived]], kind="stable")]
+
+
+def _out_of_order(sent: PackedTransmissions, ours: Numbers) -> Numbers:
+    """Those rows of a way that come before or behind one that was sent on the other side of them, and all that may say
+    the same: messages with the same content have the same number. The others overtake nobody, and nobody them."""
+    rows = ours[_as_arrived(sent, ours)]
+    times = sent.sent[rows]
+    if (times > sent.arrived[rows]).any():
+        return ours  # times go back, so they do not say what came before
+    later = np.append(np.minimum.accumulate(times[::-1])[::-1][1:], _NEVER)
+    before = np.append(-_NEVER, np.maximum.accumulate(times)[:-1])
+    found = rows[(later < times) | (before > times)]
+    chosen: Numbers = ours[np.isin(sent.sequence[ours], sent.sequence[found])]
+    return chosen
