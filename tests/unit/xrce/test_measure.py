@@ -114,6 +114,11 @@ def test_one_wait_is_no_period_but_a_bound(tmp_path: Path):
     assert direct(tmp_path, (0, up(write(0))), (100, up(heartbeat(0, 0)))).quantity("client_heartbeat").value == 100
 
 
+def test_heartbeats_at_the_same_time_are_no_period(tmp_path: Path):
+    period = direct(tmp_path, (0, up(write(0))), *((100, up(heartbeat(0, 0))),) * 6).quantity("client_heartbeat")
+    assert (period.value, period.minimum, period.confidence) == (None, 0, Confidence.NOT_ENOUGH)
+
+
 def test_a_client_up_to_2_0_is_known_by_two_heartbeats(tmp_path: Path):
     """Each 1 ms behind the only message that is unacknowledged; with an older one it would be overdue."""
     answered = [(0, up(write(0))), (1, up(heartbeat(0, 0))), (3, down(acknack(1)))]

@@ -117,7 +117,7 @@ class _SendingEnd:
         times = sent.sent[self.ours][entry]
         places = places_in(sent.first_arrivals[self.ours[arrives]], sent.counts[self.ours[arrives]])
         times[arrives[entry]] = sent.arrivals[places, 0]
-        order = np.lexsort((sent.packets[self.ours][entry], times))
+        order = np.argsort(times, kind="stable")
         self.entry, self.times = entry[order], times[order]
         self.event = places_in(sent.first_events[self.ours], sent.event_counts[self.ours])
         self.owner = np.repeat(np.arange(len(self.ours), dtype=np.int32), sent.event_counts[self.ours])

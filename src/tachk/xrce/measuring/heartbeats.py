@@ -240,6 +240,9 @@ def client_period(found: Sequence[HeartbeatWait], law: HeartbeatLaw | None) -> Q
         how = f"the usual period, which {len(fitting)} of {len(since)} fit"
         confidence = Confidence.MEASURED if len(fitting) > 1 else Confidence.ONE_SAMPLE
         return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), USUAL_PERIOD, confidence, how)
+    if not shortest:
+        how = "two HEARTBEATs are there at the same time: their packets were recorded twice, or copied"
+        return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), None, Confidence.NOT_ENOUGH, how)
     value = roundest(shortest - _TICK, max(_middle(values_of(prompt)), shortest), len(prompt))
     how = f"the roundest number near the shortest waits, {len(prompt)} of {len(since)}"
     return Quantity(name, title, QuantityUnit.MILLISECONDS, tuple(since), value, confidence, how)

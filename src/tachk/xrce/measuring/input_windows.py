@@ -119,7 +119,7 @@ def _at_client(recording: Capture, link: int) -> _AtClient:
     arrives = ~to_agent[entry]
     within = np.arange(len(entry)) - np.repeat(np.cumsum(counts) - counts, counts)
     times[arrives] = sent.arrivals[(sent.first_arrivals[row[entry]] + within)[arrives], 0]
-    order = np.lexsort((within, row[entry], sent.packets[row[entry]], times))
+    order = np.lexsort((within, row[entry], times))
     entry = entry[order]
     return _AtClient(times[order], kinds[entry], said[entry], found.bitmap[number[entry]])
 
