@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _STATES = 200_000
 """So many states the check of the events of a run stores at most, unless `--max-states` says otherwise."""
 
-COVERAGES = ("edges", "locations", "pairs")
+COVERAGES = ("edges", "locations", "pairs", "mutants")
 
 
 @click.command(name="tests")
@@ -38,7 +38,8 @@ COVERAGES = ("edges", "locations", "pairs")
     default=COVERAGES[0],
     show_default=True,
     help="What the runs cover together, in each process. edges: each edge is taken; locations: each is visited; "
-    "pairs: each edge is taken right after each edge before it.",
+    "pairs: each edge is taken right after each edge before it; mutants: systems with one change of the model "
+    "do something else, which a test sees.",
 )
 @click.option(
     "folder",
@@ -98,6 +99,8 @@ def run_tests_command(arguments: SuiteArguments) -> ExitStatus:
     model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     check_determined(model.network)
+    if arguments.cover == "mutants":
+        return _run_mutant_tests(model, arguments)
     limits = Limits(states=arguments.states, seconds=arguments.seconds)
     suite = covering_suite(model.network, Coverage(arguments.cover), limits=limits)
     files = [] if arguments.folder is None else _write(arguments, arguments.folder, model, suite)
@@ -112,6 +115,27 @@ def run_tests_command(arguments: SuiteArguments) -> ExitStatus:
     if INTERRUPTED in reasons:
         return ExitStatus.INTERRUPTED
     return ExitStatus.UNKNOWN if reasons else ExitStatus.AS_EXPECTED
+
+
+def _run_mutant_tests(model: Model, arguments: SuiteArguments) -> ExitStatus:
+    from tachk.cli.mutant_tests import run_mutant_tests
+
+    if arguments.folder is not None:
+        _make(arguments.folder)
+    status, report = run_mutant_tests(
+        model, arguments.definitions, arguments.folder, arguments.states, arguments.seconds, arguments.form
+    )
+    if not arguments.quiet:
+        sys.stdout.write(report)
+    return status
+
+
+def _make(folder: Path) -> None:
+    """Raises UsageError where there is no such folder to be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be made: {error.strerror or error}", "name another folder") from None
 
 
 def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: CoveringSuite) -> list[list[str]]:
@@ -129,10 +153,7 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
     from tachk.simulation.testing.run_events import recording_of_run
     from tachk.simulation.testing.tested_model import input_names, nanoseconds_of
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{folder} cannot be made: {error.strerror or error}", "name another folder") from None
+    _make(folder)
     given = parse_definitions(arguments.definitions)
     constants = {name: value for name, value in model.constants.items() if name in given}
     names, stem, mapping = RunNames(model.network), Path(arguments.model).stem, model.loaded.recording

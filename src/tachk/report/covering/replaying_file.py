@@ -19,14 +19,17 @@ import pytest
 FOLDER = Path(__file__).parent
 MODEL = FOLDER / {model}
 DEFINITIONS: list[str] = {definitions}
-RUNS = {runs}
-RECORDINGS: list[str] = {recordings}
 
 
 def check(command: str, file: str, *options: str) -> None:
     arguments = [command, str(MODEL), file, *DEFINITIONS, *options]
     done = subprocess.run([sys.executable, "-m", "tachk", *arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+'''
+
+_OF_RUNS = '''
+
+RUNS = {runs}
 
 
 @pytest.mark.parametrize("run", RUNS)
@@ -36,6 +39,9 @@ def test_run(run: str) -> None:
 '''
 
 _OF_RECORDINGS = '''
+
+RECORDINGS = {recordings}
+
 
 @pytest.mark.parametrize("recording", RECORDINGS)
 def test_recording(recording: str) -> None:
@@ -84,13 +90,15 @@ def pytest_file(
         proofs: those of the model that notes what is taken and of the certificate about it; None: there is none.
     """
     given = [word for each in definitions for word in ("-D", each)]
-    template = _TEMPLATE + (_OF_RECORDINGS if recordings else "") + (_OF_TESTS if scripts else "")
-    template += "" if proofs is None else _OF_PROOFS
+    template = _TEMPLATE if scripts else _TEMPLATE.replace("import os\n", "")
+    for section, is_there in (
+        (_OF_RUNS, runs),
+        (_OF_RECORDINGS, recordings),
+        (_OF_TESTS, scripts),
+        (_OF_PROOFS, proofs is not None),
+    ):
+        template += section if is_there else ""
     noting, certificate = proofs or ("", "")
-    if not scripts:
-        template = template.replace("import os\n", "")
-    if not recordings:
-        template = template.replace("RECORDINGS: list[str] = {recordings}\n", "")
     return template.format(
         model=_quoted(model),
         definitions=_listed(given),

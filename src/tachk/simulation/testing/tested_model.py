@@ -61,23 +61,7 @@ def run_test_of_model(
 
     Raises as `follow` and `confirmed`, and UsageError for a model without a recording.
     """
-    mapping = loaded.recording
-    if mapping is None or not mapping.visible:
-        raise UsageError(
-            f"{name} does not say what can be seen of the system",
-            "write `recording { replaces Environment; visible channel as event(); }` into it",
-        )
-    if not mapping.replaced:
-        raise UsageError(
-            f"the recording of {name} replaces no process, so nothing of the model is the environment",
-            "write `replaces` with the processes that a test stands for",
-        )
-    if len(mapping.replaced) == len(loaded.network.processes):
-        raise UsageError(
-            f"the recording of {name} replaces every process, so nothing of the model is the system",
-            "leave out of `replaces` what is tested",
-        )
-    network, mapping = with_location_variables(loaded.network, mapping)
+    network, mapping = with_location_variables(loaded.network, replacing_map(loaded, name))
     unit = network.time_unit
     tolerance = mapping.tolerance if request.tolerance is None else duration(request.tolerance, unit)
     late = mapping.late if request.late is None else duration(request.late, unit)
@@ -110,6 +94,27 @@ def run_test_of_model(
         return result, None
     shortening = shorten(tested, open_system, run, result, request.shorten)
     return shortening.result, shortening
+
+
+def replacing_map(loaded: LoadedModel, name: str) -> RecordingMap:
+    """What the model says of its environment and of what is seen. Raises UsageError if that allows no test."""
+    mapping = loaded.recording
+    if mapping is None or not mapping.visible:
+        raise UsageError(
+            f"{name} does not say what can be seen of the system",
+            "write `recording { replaces Environment; visible channel as event(); }` into it",
+        )
+    if not mapping.replaced:
+        raise UsageError(
+            f"the recording of {name} replaces no process, so nothing of the model is the environment",
+            "write `replaces` with the processes that a test stands for",
+        )
+    if len(mapping.replaced) == len(loaded.network.processes):
+        raise UsageError(
+            f"the recording of {name} replaces every process, so nothing of the model is the system",
+            "leave out of `replaces` what is tested",
+        )
+    return mapping
 
 
 def _script(model: TestedModel, recording: EventLog, settings: TestSettings) -> EventLog:
