@@ -89,7 +89,6 @@ std::size_t StateLayout::first_slot(std::size_t word) const {
 DiscreteStates::DiscreteStates(const program::Program& program, std::size_t chunk_words)
     : layout_(program),
       chunk_words_(layout_.words() > 2 * chunk_words ? chunk_words : 0),
-      key_words_(layout_.words()),
       key_bytes_((layout_.bits() + 31) / 32 * sizeof(std::uint32_t)),
       records_(note_bytes + key_bytes_),
       chunks_(sizeof(std::uint64_t)) {
@@ -102,13 +101,13 @@ DiscreteStates::DiscreteStates(const program::Program& program, std::size_t chun
     for (std::size_t chunk = 0; chunk < chunks; ++chunk)
       for (std::size_t slot = chunk_slots_[chunk]; slot < chunk_slots_[chunk + 1]; ++slot)
         chunk_members_[chunk].add(slot);
-    key_words_ = (chunks + 1) / 2;
-    key_bytes_ = chunks * sizeof(std::uint32_t);
+    narrow_key_.resize((chunks + 1) / 2 * 2);
+    key_bytes_ = narrow_key_.size() * sizeof(std::uint16_t);
     records_ = RecordPool(note_bytes + key_bytes_);
     chunks_ = RecordPool(chunk_words_ * sizeof(std::uint64_t));
   }
-  key_.assign(key_words_, 0);
-  packed_.resize(chunk_words_ == 0 ? key_words_ : chunk_words_);
+  key_.assign(chunk_words_ == 0 ? layout_.words() : chunk_slots_.size() / 2, 0);
+  packed_.resize(chunk_words_ == 0 ? layout_.words() : chunk_words_);
 }
 
 void DiscreteStates::make_key(const std::int32_t* slots, const SlotSet& written) {
@@ -131,7 +130,36 @@ void DiscreteStates::make_key(const std::int32_t* slots, const SlotSet& written)
       number = intern_chunk();
     }
     std::memcpy(reinterpret_cast<std::byte*>(key_.data()) + chunk * sizeof(number), &number, sizeof(number));
+    if (!narrow_key_.empty()) narrow_key_[chunk] = static_cast<std::uint16_t>(number);
   }
+}
+
+std::uint32_t DiscreteStates::chunk_number(const std::byte* key, std::size_t chunk) const {
+  if (narrow_key_.empty()) {
+    std::uint32_t number;
+    std::memcpy(&number, key + chunk * sizeof(number), sizeof(number));
+    return number;
+  }
+  std::uint16_t number;
+  std::memcpy(&number, key + chunk * sizeof(number), sizeof(number));
+  return number;
+}
+
+void DiscreteStates::widen_numbers() {
+  const std::size_t chunks = chunk_slots_.size() - 1;
+  const std::size_t wide_bytes = chunks * sizeof(std::uint32_t);
+  RecordPool wide(note_bytes + wide_bytes);
+  for (std::uint32_t record = 0; record < records_.size(); ++record) {
+    std::byte* const to = wide[wide.append()];
+    std::memcpy(to, records_[record], note_bytes);
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      const std::uint32_t number = chunk_number(key_of(record), chunk);
+      std::memcpy(to + note_bytes + chunk * sizeof(number), &number, sizeof(number));
+    }
+  }
+  records_ = std::move(wide);
+  key_bytes_ = wide_bytes;
+  narrow_key_.clear();
 }
 
 std::uint32_t DiscreteStates::intern_chunk() {
@@ -141,6 +169,7 @@ std::uint32_t DiscreteStates::intern_chunk() {
   });
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = chunks_.append();
+  if (fresh > UINT16_MAX && !narrow_key_.empty()) widen_numbers();
   std::memcpy(chunks_[fresh], packed_.data(), chunk_words_ * sizeof(std::uint64_t));
   chunk_index_.insert(hash, fresh);
   return fresh;
@@ -148,7 +177,7 @@ std::uint32_t DiscreteStates::intern_chunk() {
 
 void DiscreteStates::announce(const std::int32_t* slots, const SlotSet& written) {
   make_key(slots, written);
-  hash_ = hash_words(key_.data(), key_words_);
+  hash_ = hash_words(key_.data(), key_.size());
   index_.prefetch(hash_);
 }
 
@@ -156,7 +185,7 @@ std::uint32_t DiscreteStates::locate(std::uint32_t fresh_note) {
   const std::uint32_t found = index_.find(hash_, [this](std::uint32_t number) { return has_key(number); });
   if (found != HashIndex::absent) return found;
   const std::uint32_t fresh = records_.append();
-  std::memcpy(records_[fresh] + note_bytes, key_.data(), key_bytes_);
+  std::memcpy(records_[fresh] + note_bytes, held_key(), key_bytes_);
   note(fresh) = fresh_note;
   index_.insert(hash_, fresh);
   return fresh;
@@ -172,7 +201,7 @@ void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots) {
   if (chunk_words_ == 0) {
     std::memcpy(slots, initial.data(), initial.size() * sizeof(std::int32_t));
     std::memcpy(packed_.data(), key_of(number), key_bytes_);
-    layout_.unpack(packed_.data(), 0, key_words_, slots);
+    layout_.unpack(packed_.data(), 0, layout_.words(), slots);
     return;
   }
   const std::size_t chunks = chunk_slots_.size() - 1;
@@ -181,8 +210,7 @@ void DiscreteStates::unpack(std::uint32_t number, std::int32_t* slots) {
     known_chunks_.assign(chunks, HashIndex::absent);
   }
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    std::uint32_t stored;
-    std::memcpy(&stored, key_of(number) + chunk * sizeof(stored), sizeof(stored));
+    const std::uint32_t stored = chunk_number(key_of(number), chunk);
     if (std::exchange(known_chunks_[chunk], stored) == stored) continue;
     const std::size_t word = chunk * chunk_words_;
     const std::size_t last = std::min(word + chunk_words_, layout_.words());

@@ -70,20 +70,26 @@ class DiscreteStates {
  private:
   static constexpr std::size_t note_bytes = sizeof(std::uint32_t);
   const std::byte* key_of(std::uint32_t number) const { return records_[number] + note_bytes; }
-  bool has_key(std::uint32_t number) const { return std::memcmp(key_of(number), key_.data(), key_bytes_) == 0; }
+  // The key of the announced state as records hold it.
+  const void* held_key() const {
+    return narrow_key_.empty() ? static_cast<const void*>(key_.data()) : narrow_key_.data();
+  }
+  bool has_key(std::uint32_t number) const { return std::memcmp(key_of(number), held_key(), key_bytes_) == 0; }
   // Writes to the key what stands for a state in its record: the packed words, or the numbers of its chunks.
   void make_key(const std::int32_t* slots, const program::SlotSet& written);
   // The number of the chunk that `packed_` holds.
   std::uint32_t intern_chunk();
+  std::uint32_t chunk_number(const std::byte* key, std::size_t chunk) const;
+  // Numbers of chunks have 16 bits in records, and more once there are too many chunks for that.
+  void widen_numbers();
 
   StateLayout layout_;
   std::size_t chunk_words_;  // 0: states are held whole
-  std::size_t key_words_;
-  std::size_t key_bytes_;  // of the words of a key those that are held, the others are 0: whole numbers of 32 bits
-  std::vector<std::uint64_t> key_;     // of the announced state
+  std::size_t key_bytes_;    // of the words of a key those that are held, the others are 0: whole numbers of 32 bits
+  std::vector<std::uint64_t> key_;     // of the announced state; numbers of chunks have 32 bits
   std::uint64_t hash_ = 0;             // of that key
   std::vector<std::uint64_t> packed_;  // one chunk, or a state that is held whole
-  RecordPool records_;                 // keys, each behind its note
+  RecordPool records_;                 // keys as they are held, each behind its note
   HashIndex index_;
 
   // Only for states in chunks.
@@ -91,6 +97,7 @@ class DiscreteStates {
   std::vector<program::SlotSet> chunk_members_;
   RecordPool chunks_;
   HashIndex chunk_index_;
+  std::vector<std::uint16_t> narrow_key_;  // the key with numbers of 16 bits; empty once they have more
   // The state unpacked last and its chunks: a successor has most of them.
   std::vector<std::int32_t> known_slots_;
   std::vector<std::uint32_t> known_chunks_;
