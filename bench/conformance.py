@@ -20,6 +20,7 @@ from typing import Any
 
 import tachk
 from tachk.engine.options import Limits
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
@@ -94,10 +95,10 @@ def held(
 ) -> Conformance:
     """A recording held against a model, with a tolerance and a lateness."""
     assert model.loaded.recording is not None
-    exact = Fraction(step[0]), Fraction(step[1])
+    exact = TimestampUncertainty.of(Fraction(step[0]), Fraction(step[1]))
     names = constants_of(model.loaded)
     return conform(
-        model.network, model.loaded.recording, recording, names, *exact, limits=limits, run=False, explain=explain
+        model.network, model.loaded.recording, recording, names, exact, limits=limits, run=False, explain=explain
     )
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import tachk
 from bench.conformance import LADDER, as_told, settings
 from tachk.engine.options import Limits
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.xrce.conformance.packet_events import read_capture
@@ -55,9 +56,9 @@ def _answers(name: str, path: Path, wrong: dict[str, int]) -> str:
         model = tachk.load(name, **settings(truth) | constants)
         mapping = model.loaded.recording
         assert mapping is not None
-        exact, limits = (Fraction(step[0]), Fraction(step[1])), Limits(seconds=20)
+        exact, limits = TimestampUncertainty.of(Fraction(step[0]), Fraction(step[1])), Limits(seconds=20)
         names = constants_of(model.loaded)
-        return conform(model.network, mapping, recording, names, *exact, limits=limits, run=False, explain=explain)
+        return conform(model.network, mapping, recording, names, exact, limits=limits, run=False, explain=explain)
 
     step = next((step for step in LADDER if ask({}, step, False).accepted), None)
     if step is None:

@@ -27,6 +27,7 @@ from tachk.base.records import replace
 from tachk.engine.options import Limits
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.frontend.loaded import LoadedModel
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
@@ -41,7 +42,7 @@ from tachk.xrce.conformance.packet_events import read_capture
 ROOT = Path(__file__).resolve().parents[1]
 MODEL = ROOT / "models/micro_xrce_dds/client_3_0.ta"
 AUTOMATA = ("ClientPublisher", "ClientSubscriber", "Agent", "ProxyPublisher", "ProxySubscriber")
-TOLERANCE, LATE = Fraction(5), Fraction(50)
+UNCERTAINTY = TimestampUncertainty.of(Fraction(5), Fraction(50))
 LIMITS = Limits(states=100_000, seconds=20)
 
 
@@ -55,7 +56,7 @@ class Capture:
 def answer(loaded: LoadedModel, proposal: ProposedEdge | None, recording: EventLog) -> bool | None:
     model = extended_model(loaded, () if proposal is None else (proposal,))
     network, mapping, constants = model.network, model.mapping, constants_of(loaded)
-    found = conform(network, mapping, recording, constants, TOLERANCE, LATE, limits=LIMITS, run=False, explain=False)
+    found = conform(network, mapping, recording, constants, UNCERTAINTY, limits=LIMITS, run=False, explain=False)
     return found.accepted
 
 
@@ -66,7 +67,7 @@ def captures(loaded: LoadedModel, folders: Sequence[Path]) -> Iterator[Capture]:
         try:
             events = read_capture(path, ())
             found = conform(
-                model.network, model.mapping, events, constants_of(loaded), TOLERANCE, LATE, limits=LIMITS, run=False
+                model.network, model.mapping, events, constants_of(loaded), UNCERTAINTY, limits=LIMITS, run=False
             )
         except tachk.TachkError:
             continue
@@ -159,7 +160,7 @@ def _row(
     chosen = [*refusing[:3], *others[:2]]
     begun = time.process_time()
     with limited(seconds):
-        result = repair(smaller, [c.events for c in chosen], TOLERANCE, LATE, LIMITS)
+        result = repair(smaller, [c.events for c in chosen], UNCERTAINTY, LIMITS)
     row |= {"seconds": round(time.process_time() - begun, 1), "tried": result.tried, "left_out": result.left_out}
     row["given"] = [c.name for c in chosen]
     for rank, each in enumerate(result.edges, 1):

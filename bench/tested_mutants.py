@@ -23,6 +23,7 @@ from random import Random
 import tachk
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.simulation.testing.modelled_system import ModelledSystem
 from tachk.simulation.testing.tester import TestedModel, TestSettings, TestVerdict, confirmed, follow
@@ -43,7 +44,9 @@ def first_failure(model: Machine, system: Machine, tests: int) -> int | None:
     tested = TestedModel.of(own.network, mapping, constants_of(own.loaded))
     for seed in range(tests):
         policy = _POLICIES[seed % len(_POLICIES)]
-        settings = TestSettings(Fraction(_LENGTH), seed, Fraction(0), Fraction(0), limits=Limits(states=10_000))
+        settings = TestSettings(
+            Fraction(_LENGTH), seed, TimestampUncertainty.of(Fraction(0), Fraction(0)), limits=Limits(states=10_000)
+        )
         running = ModelledSystem(other.network, stands, constants_of(other.loaded), seed, policy)
         run = follow(tested, running, settings, tested.inputs(settings))
         if not run.reason and not run.is_as_modelled and confirmed(tested, run).verdict is TestVerdict.FAIL:

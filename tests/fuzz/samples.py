@@ -135,6 +135,7 @@ recording {
     visible press as press();
     visible light[on] as light(on, level);
     tolerance 1 ms;
+    late output 2 ms;
 }
 """
 

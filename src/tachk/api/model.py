@@ -104,7 +104,7 @@ def conform(
     model: Model | str | os.PathLike[str],
     recording: str | os.PathLike[str],
     tolerance: str | None = None,
-    late: str | None = None,
+    late: str | Mapping[str, str] | None = None,
     unit: str | None = None,
     ports: Iterable[int] = (),
     limits: Limits | None = None,
@@ -116,7 +116,7 @@ def conform(
     Args:
         recording: a file of events, see docs/conformance.md.
         tolerance, late: durations such as ``"5ms"``, in place of what the model says; the tolerance ``"auto"`` finds
-            the least one.
+            the least one. ``{"input": "1ms", "output": "20ms"}`` gives the lateness of inputs and outputs apart.
         unit: of the recorded times, where the file does not say it.
         ports: of Agents, where the recording is a capture of packets; without any 8888 and where sessions are created.
         limits: of each search; the seconds are for all of them together.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from tachk.api.model import Model, load
@@ -13,7 +13,7 @@ from tachk.base.job import limited
 from tachk.engine.options import Limits
 from tachk.formats.loading.recorded_models import recorded_model
 from tachk.frontend.loaded import LoadedModel, with_constants
-from tachk.recordings.conformance.conform_file import AUTO, duration, read_recording, recording_map
+from tachk.recordings.conformance.conform_file import AUTO, allowances_of, read_recording, recording_map
 from tachk.recordings.conformance.question import Question
 from tachk.report.conformance.repaired import ChangedVerdict, RepairReport
 from tachk.syntax import ast
@@ -32,7 +32,7 @@ def repair(
     model: Model | str | os.PathLike[str],
     recordings: Iterable[str | os.PathLike[str]],
     tolerance: str | None = None,
-    late: str | None = None,
+    late: str | Mapping[str, str] | None = None,
     unit: str | None = None,
     ports: Iterable[int] = (),
     limits: Limits | None = None,
@@ -52,17 +52,15 @@ def repair(
     if tolerance == AUTO:
         raise UsageError("the tolerance `auto` makes recordings runs by itself", "give a tolerance, such as 5ms")
     held = recorded_model(model.loaded, model.path, model.definitions)
-    recording_map(held, model.path)
     limits = limits or Limits()
-    unit_of_model = held.network.time_unit
+    said = recording_map(held, model.path).allowances
+    allowances = allowances_of(tolerance, late, held.network.time_unit).over(said)
     logs = tuple(os.fspath(each) for each in applications)
     question = Question(tolerance, late, unit, tuple(ports), logs)
     paths = [os.fspath(each) for each in recordings]
     with limited(limits.seconds):
         events = [read_recording(Path(each), question, held) for each in paths]
-        exact = None if tolerance is None else duration(tolerance, unit_of_model)
-        lateness = None if late is None else duration(late, unit_of_model)
-        found = repaired(held, events, exact, lateness, limits)
+        found = repaired(held, events, allowances.uncertainty(), limits)
         changed = [_with_value(model.loaded, each.name, each.after) for each in found.constants]
         changed += [_with_edge(model.loaded, each.proposal) for each in found.edges]
         before = _answers(model.loaded, model.path) if any(each is not None for each in changed) else {}

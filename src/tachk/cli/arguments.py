@@ -102,6 +102,16 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
     return result
 
 
+def parse_lateness(values: Iterable[str]) -> dict[str, str]:
+    """Durations by ``input`` and ``output``, of texts such as ``input=1ms``, or ``20ms`` for both. The last text that
+    is about one of them counts."""
+    result: dict[str, str] = {}
+    for value in values:
+        name, named, amount = value.rpartition("=")
+        result |= {name.strip(): amount} if named else {"input": amount, "output": amount}
+    return result
+
+
 def split_definitions(definitions: Iterable[str]) -> tuple[dict[str, str], tuple[str, ...]]:
     """The constants that are set to one value each, and the texts of those that take several values."""
     settings = list(set_by(definitions))

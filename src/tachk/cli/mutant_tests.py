@@ -46,14 +46,13 @@ def run_mutant_tests(
     """
     network, mapping = with_location_variables(model.network, replacing_map(model.loaded, model.path))
     tested = TestedModel.of(network, mapping, constants_of(model.loaded))
-    tolerance = mapping.tolerance
-    late = tolerance if mapping.late is None else mapping.late
+    uncertainty = mapping.allowances.uncertainty()
     with limited(seconds):
         edges = covering_suite(network, Coverage.EDGES, limits=Limits(states=states or _STATES_OF_COVER))
-        mutants = tuple(system_mutants(network, mapping, ceil(tolerance + late) + 1))
+        mutants = tuple(system_mutants(network, mapping, ceil(uncertainty.width) + 1))
         limits = Limits(states=states or _STATES)
         never = {place for place, _ in edges.impossible}
-        suite = mutant_suite(tested, mutants, _scripts(tested, edges), never, tolerance, late, limits)
+        suite = mutant_suite(tested, mutants, _scripts(tested, edges), never, uncertainty, limits)
     files = [] if folder is None else _write(model, definitions, folder, suite)
     if form == "json":
         report = json.dumps(mutants_to_json(network, suite, model.path, files), indent=2) + "\n"

@@ -188,6 +188,12 @@ def agent_ports(help: str) -> Callable[[Decorated], Decorated]:
     return click.option("ports", "--port", metavar="PORT", type=Count(1, 65535), multiple=True, help=help)
 
 
+def lateness(help: str) -> Callable[[Decorated], Decorated]:
+    """The option `--late`, for inputs and outputs together or apart."""
+    help += " For each apart: --late input=1ms --late output=20ms."
+    return click.option("--late", metavar="DURATION", multiple=True, help=help)
+
+
 def report(*forms: str) -> Callable[[Decorated], Decorated]:
     """``--format``, ``--output`` and ``--quiet`` of a command that reports in one of these forms, the first
     by default: its `Reporting`."""

@@ -27,6 +27,7 @@ from tachk.model.expressions import (
 )
 from tachk.model.network import Process
 from tachk.model.recording import RecordedModel, RecordingMap, VisibleEvents
+from tachk.model.timestamp_uncertainty import Allowances
 from tachk.model.traversal import asks_deadlock, roots, walk
 from tachk.model.types import ArrayType, ChannelType, IntType, element_type
 from tachk.syntax import ast
@@ -96,10 +97,8 @@ class _RecordingClauseReader:
                     visible.append(self._visible(clause))
                 case ast.HiddenClause(channels=channels):
                     hidden += [self._hidden(channel) for channel in channels]
-                case ast.AllowanceClause(word=word):
-                    if word in allowances:
-                        self.context.error("E0450", clause.span, f"a second `{word}`", "keep one of the two")
-                    allowances[word] = self._units(clause)
+                case ast.AllowanceClause():
+                    self._allow(allowances, clause)
                 case ast.RecordedModelClause():
                     pass
         models = [clause for clause in node.clauses if isinstance(clause, ast.RecordedModelClause)]
@@ -115,14 +114,7 @@ class _RecordingClauseReader:
         self._check_left(events, replaced)
         outside = tuple(each for each in hidden if each is not None)
         self._check_joined(events, outside, replaced)
-        return RecordingMap(
-            frozenset(replaced),
-            events,
-            outside,
-            allowances.get("tolerance", Fraction(0)),
-            allowances.get("late"),
-            span=node.span,
-        )
+        return RecordingMap(frozenset(replaced), events, outside, Allowances(**allowances), span=node.span)
 
     def _elsewhere(self, node: ast.RecordingDeclaration, clause: ast.RecordedModelClause) -> RecordingMap | None:
         """Another model takes the recordings."""
@@ -139,7 +131,7 @@ class _RecordingClauseReader:
             elif value is not None:
                 self.context.error("E0451", written.span, "this is not a constant", "write a constant of this model")
         model = RecordedModel(clause.path, tuple(constants))
-        return RecordingMap(frozenset(), (), (), Fraction(0), None, model, node.span)
+        return RecordingMap(frozenset(), (), (), model=model, span=node.span)
 
     def _processes(self, name: ast.Identifier) -> list[int]:
         """The numbers of the processes with a name, or made from a template with that name."""
@@ -150,9 +142,15 @@ class _RecordingClauseReader:
             self.context.error("E0452", name.span, f"there is no process `{name.name}` to replace", help_)
         return found
 
-    def _units(self, clause: ast.AllowanceClause) -> Fraction:
-        """The length of an allowance in units of the model."""
-        return units_of(clause.amount, clause.unit, clause.span, self.context) or Fraction(0)
+    def _allow(self, allowances: dict[str, Fraction], clause: ast.AllowanceClause) -> None:
+        """Takes note of an allowance, in units of the model, by the fields of `Allowances`."""
+        amount = units_of(clause.amount, clause.unit, clause.span, self.context) or Fraction(0)
+        sides = [clause.side] if clause.side else ["input", "output"]
+        names = ["tolerance"] if clause.word == "tolerance" else [f"{side}_late" for side in sides]
+        if any(name in allowances for name in names):
+            words = f"{clause.word} {clause.side}".rstrip()
+            self.context.error("E0450", clause.span, f"a second `{words}`", "keep one of the two")
+        allowances.update(dict.fromkeys(names, amount))
 
     # ---- channels ---------------------------------------------------------------------------------------------------
 

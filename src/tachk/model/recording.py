@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 
 from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
 from tachk.model.expressions import Constant, Expression, Variable
+from tachk.model.timestamp_uncertainty import Allowances
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,15 +53,13 @@ class RecordingMap:
     """Attributes:
     replaced: the numbers of the processes whose place the recording takes.
     hidden: channels, or arrays of channels, on which what is replaced may synchronise whenever it likes.
-    tolerance: how much earlier or later than recorded something may have happened, in units of the model.
-    late: how much later than it happens something may be recorded; None: as much as the tolerance.
+    allowances: what the model says of how exact recorded times are.
     model: the model that recordings are held against in place of this one; then the rest says nothing.
     """
 
     replaced: frozenset[int]
     visible: tuple[VisibleEvents, ...]
     hidden: tuple[Expression, ...]
-    tolerance: Fraction
-    late: Fraction | None
+    allowances: Allowances = Allowances()
     model: RecordedModel | None = None
     span: Span = NOWHERE

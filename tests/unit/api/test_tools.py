@@ -144,6 +144,12 @@ CALLS: list[tuple[str, Found, Callable[[Found], bool] | str]] = [
         {"model": BELL, "recording": "time,event\n2,call\n30,on\n"},
         lambda a: a["result"]["answers"][0]["refusal"]["event"]["place"] == "line 2",
     ),
+    (
+        "conform",
+        {"model": BELL, "recording": "time,event\n8,call\n30,on\n", "late": {"input": "0", "output": "2"}},
+        lambda a: [a["result"]["answers"][0][key] for key in ("late", "input_late", "output_late")] == [2, 0, 2],
+    ),
+    ("conform", {"model": BELL, "recording": "time,event\n8,call\n", "late": {"in": "2"}}, "late"),
     ("conform", {"model": FISCHER, "recording": "time,event\n12,call\n"}, "recording"),
     ("prove", {}, "there is no tool 'prove'"),
 ]

@@ -290,5 +290,18 @@ def test_every_query_is_read_as_it_was(left: ast.Expression, right: ast.Expressi
     assert entry.formula == formula
 
 
+def test_latenesses_are_printed_as_they_are_read() -> None:
+    text = """recording {
+    visible a as input();
+    visible b as late();
+    tolerance 5 ms;
+    late input 1 ms;
+    late output 20;
+}
+"""
+    assert check_round_trip(text) == text
+    assert check_round_trip(text.replace("late output 20", "late\n    output   20")) == text
+
+
 def test_hide_is_printed_as_it_is_read() -> None:
     assert check_round_trip("hide Link, Tracker;\n") == "hide Link, Tracker;\n"

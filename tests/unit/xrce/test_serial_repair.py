@@ -12,6 +12,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.xrce.conformance.packet_events import read_capture
@@ -102,8 +103,7 @@ def test_what_was_damaged_did_not_arrive() -> None:
             model.loaded.recording,
             changed,
             constants_of(model.loaded),
-            Fraction(10),
-            Fraction(20),
+            TimestampUncertainty.of(Fraction(10), Fraction(20)),
             limits=tachk.Limits(states=40_000),
             run=False,
             explain=False,

@@ -128,7 +128,13 @@ CONFORM: dict[str, Any] = {
     **_MODEL,
     "recording": {**_TEXT, "description": "The path of a recording, or the text of a CSV with columns time,event,..."},
     "tolerance": {**_TEXT, "description": "How exact recorded times are, such as 5ms; auto finds the least that fits."},
-    "late": {**_TEXT, "description": "How much later than it happens an event may be recorded."},
+    "late": {
+        "type": ["string", "object"],
+        "additionalProperties": False,
+        "properties": {"input": _TEXT, "output": _TEXT},
+        "description": "How much later than it happens an output may be recorded, and how much later than recorded an "
+        'input may happen: such as 20ms, or {"input": "1ms", "output": "20ms"}.',
+    },
     "unit": {**_TEXT, "description": "Of the recorded times, where the file does not say it."},
     "ports": {
         "type": "array",

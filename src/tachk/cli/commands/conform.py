@@ -45,10 +45,9 @@ if TYPE_CHECKING:
     help="How much earlier or later than recorded an event may have happened, such as 5ms; auto finds the least one. "
     "Without it: as the model says.",
 )
-@click.option(
-    "--late",
-    metavar="DURATION",
-    help="How much later than it happens an event may be recorded. By default as the model says.",
+@options.lateness(
+    "How much later than it happens an output may be recorded, and how much later than it is recorded an input may "
+    "happen. By default as the model says."
 )
 @click.option("--unit", metavar="UNIT", help="The unit of the recorded times, if the file does not say it: ms, s, ...")
 @options.agent_ports(
@@ -111,7 +110,7 @@ class ConformArguments:
     recordings: tuple[str, ...]
     definitions: tuple[str, ...] = ()
     tolerance: str | None = None
-    late: str | None = None
+    late: tuple[str, ...] = ()
     unit: str | None = None
     ports: tuple[int, ...] = ()
     states: int | None = None
@@ -125,7 +124,7 @@ class ConformArguments:
 def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Holds recordings against a model, and reports."""
     from tachk.api import model as api
-    from tachk.cli.arguments import parse_definitions
+    from tachk.cli.arguments import parse_definitions, parse_lateness
     from tachk.formats.loading.recorded_models import recorded_model
     from tachk.report.conformance.json import conformance_to_json
     from tachk.report.conformance.text import conformance_to_text, coverage_to_text
@@ -140,7 +139,7 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
                 model,
                 each,
                 arguments.tolerance,
-                arguments.late,
+                parse_lateness(arguments.late),
                 arguments.unit,
                 arguments.ports,
                 limits,
@@ -179,12 +178,13 @@ def run_conform(arguments: ConformArguments, reporting: Reporting, seconds: floa
 
 def _repair(model: Model, arguments: ConformArguments, limits: Limits) -> RepairReport:
     from tachk.api.repairing import repair
+    from tachk.cli.arguments import parse_lateness
 
     return repair(
         model,
         arguments.recordings,
         arguments.tolerance,
-        arguments.late,
+        parse_lateness(arguments.late),
         arguments.unit,
         arguments.ports,
         limits,

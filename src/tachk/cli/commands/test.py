@@ -78,10 +78,9 @@ if TYPE_CHECKING:
     metavar="DURATION",
     help="How much earlier or later than seen an event may have happened, such as 5ms. By default as the model says.",
 )
-@click.option(
-    "--late",
-    metavar="DURATION",
-    help="How much later than it happens an output may be seen, and an input may arrive. By default as the model says.",
+@options.lateness(
+    "How much later than it happens an output may be seen, and how much later than it is sent an input may arrive. By "
+    "default as the model says."
 )
 @click.option(
     "--record",
@@ -127,7 +126,7 @@ class TestArguments:
     seed: int = DEFAULT_SEED
     pause: str | None = None
     tolerance: str | None = None
-    late: str | None = None
+    late: tuple[str, ...] = ()
     record: Path | None = None
     junit: Path | None = None
     shorten: float | None = None
@@ -139,7 +138,7 @@ class TestArguments:
 def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: float | None) -> ExitStatus:
     """Tests a system, and reports."""
     from tachk.api import model as api
-    from tachk.cli.arguments import parse_definitions
+    from tachk.cli.arguments import parse_definitions, parse_lateness
     from tachk.recordings.conformance.conform_file import read_recording
     from tachk.recordings.conformance.event_tables import event_rows
     from tachk.recordings.conformance.question import Question
@@ -158,7 +157,7 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
             arguments.duration,
             arguments.seed,
             arguments.tolerance,
-            arguments.late,
+            parse_lateness(arguments.late),
             arguments.pause,
             arguments.shorten,
             _goal(arguments.goal, model, limits),

@@ -31,6 +31,7 @@ from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.model.run import TimedTrace, Transition
 from tachk.model.selections import check_selections
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.components import (
     IndependentComponent,
     are_independent,
@@ -163,7 +164,7 @@ class Conformance:
 
     Attributes:
         accepted: the recording is a run of the model; None where a limit was hit first.
-        tolerance, late: with which this was found, in units of the model.
+        uncertainty: with which this was found.
         time_unit: of the model.
         runs: of all parts of the model, which show it.
         refusal: where the recording leaves the model; None where it does not, or that was not found in the limits.
@@ -175,8 +176,7 @@ class Conformance:
     """
 
     accepted: bool | None
-    tolerance: Fraction
-    late: Fraction
+    uncertainty: TimestampUncertainty
     time_unit: str
     recording: EventLog
     streams: EventStreams
@@ -189,14 +189,23 @@ class Conformance:
     untried: int = 0
     left_out: str = ""
 
+    @property
+    def tolerance(self) -> Fraction:
+        """The tolerance with which this was found, in units of the model."""
+        return self.uncertainty.tolerance
+
+    @property
+    def late(self) -> Fraction:
+        """The larger of the two latenesses with which this was found, in units of the model."""
+        return self.uncertainty.late
+
 
 def conform(
     network: Network,
     mapping: RecordingMap,
     recording: EventLog,
     constants: Constants,
-    tolerance: Fraction | None = None,
-    late: Fraction | None = None,
+    uncertainty: TimestampUncertainty | None = None,
     options: Options = Options(order=SearchOrder.DFS),
     limits: Limits = Limits(),
     run: bool = True,
@@ -206,33 +215,31 @@ def conform(
     """Checks if a recording is a run of a model.
 
     Args:
-        tolerance, late: in units of the model; None: as the model says.
+        uncertainty: of recorded times; None: as the model says.
         run: give the run that shows it exact times, and judge it.
         explain: find where the recording leaves the model.
         divide: search parts that share nothing one by one; no verdict depends on it.
 
     Raises UsageError for a recording that does not fit the model, UnsupportedError.
     """
-    tolerance = mapping.tolerance if tolerance is None else tolerance
-    late = mapping.late if late is None else late
-    late = tolerance if late is None else late
+    uncertainty = mapping.allowances.uncertainty() if uncertainty is None else uncertainty
     if len(recording.events) > LONG:
-        exact = tolerance, late
-        followed = SegmentSearch(network, mapping, recording, constants, exact, options, limits, divide).followed()
+        segments = SegmentSearch(network, mapping, recording, constants, uncertainty, options, limits, divide)
+        followed = segments.followed()
         if followed is not None:
             long, statistics, runs = followed.streams, followed.statistics, followed.runs
-            return Conformance(True, tolerance, late, network.time_unit, recording, long, statistics, runs)
-    streams = make_streams(network, mapping, recording, constants, tolerance, late)
+            return Conformance(True, uncertainty, network.time_unit, recording, long, statistics, runs)
+    streams = make_streams(network, mapping, recording, constants, uncertainty)
     modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
     whole = IndependentComponent(modelled, tuple(range(len(streams.streams))))
     components = components_of(network, mapping, streams) if divide else (whole,)
     search = _ConformanceSearch(network, mapping, streams, options, limits, explain)
     separately = len(components) > 1 and are_independent(network, modelled, streams)
-    answers = search.separately(components, (0, ceil(tolerance))) if separately else None
+    answers = search.separately(components, (0, ceil(uncertainty.tolerance))) if separately else None
     if answers is None:
         answers = [search.component(whole, streams)]
     found = Conformance(
-        None, tolerance, late, network.time_unit, recording, streams, _total(a.statistics for a in search.answers)
+        None, uncertainty, network.time_unit, recording, streams, _total(a.statistics for a in search.answers)
     )
     refusing = [answer for answer in answers if answer.accepted is not True]
     if not refusing:

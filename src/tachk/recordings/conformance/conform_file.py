@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
+from tachk.base.arguments import check_argument
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.base.exact_numbers import is_whole
 from tachk.base.job import StoppedError, limited
@@ -18,6 +19,7 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.frontend.scope import ValueSymbol
 from tachk.model.expressions import Constant
 from tachk.model.recording import RecordingMap
+from tachk.model.timestamp_uncertainty import Allowances
 from tachk.recordings.captures import capture_reader, capture_readers
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
@@ -45,6 +47,27 @@ def duration(text: str, time_unit: str) -> Fraction:
     if own is None:
         raise UsageError("the model does not say how long its time unit is", f"leave out the unit: {found[1]}")
     return Fraction(found[1]) * length / own
+
+
+INPUT, OUTPUT = "input", "output"
+
+
+def allowances_of(tolerance: str | None, late: str | Mapping[str, str] | None, time_unit: str) -> Allowances:
+    """What a caller says of how exact recorded times are. Raises UsageError.
+
+    Args:
+        tolerance: a duration.
+        late: a duration, or durations by ``input`` and ``output``.
+    """
+    sides = dict(late) if isinstance(late, Mapping) else {} if late is None else {INPUT: late, OUTPUT: late}
+    for side in sides:
+        if side not in (INPUT, OUTPUT):
+            raise UsageError(f"`{side}` has no lateness of its own", "name `input` or `output`")
+    for side, amount in sides.items():
+        check_argument(f"late[{side!r}]", amount, "str")
+    lengths = {side: duration(amount, time_unit) for side, amount in sides.items()}
+    allowed = None if tolerance is None else duration(tolerance, time_unit)
+    return Allowances(allowed, lengths.get(INPUT), lengths.get(OUTPUT))
 
 
 def least(conforms_within: Callable[[Fraction], Conformance]) -> Conformance:
@@ -158,22 +181,22 @@ def _conform_file(loaded: LoadedModel, name: str, recording: str, question: Ques
     network, mapping = with_location_variables(loaded.network, recording_map(loaded, name))
     events = read_recording(Path(recording), question, loaded)
     constants = constants_of(loaded)
-    lateness = None if question.late is None else duration(question.late, network.time_unit)
+    tolerance = None if question.tolerance == AUTO else question.tolerance
+    allowances = allowances_of(tolerance, question.late, network.time_unit).over(mapping.allowances)
 
-    def conforms_within(allowed: Fraction | None) -> Conformance:
+    def conforms_within(allowed: Allowances) -> Conformance:
         explain = question.explanation is not ExplanationDetail.NONE
-        return conform(network, mapping, events, constants, allowed, lateness, limits=limits, explain=explain)
+        return conform(network, mapping, events, constants, allowed.uncertainty(), limits=limits, explain=explain)
 
     if question.tolerance == AUTO:
-        return least(conforms_within)
-    found = conforms_within(None if question.tolerance is None else duration(question.tolerance, network.time_unit))
+        return least(lambda tolerance: conforms_within(replace(allowances, tolerance=tolerance)))
+    found = conforms_within(allowances)
     if found.accepted is not False or found.refusal is None or found.refusal.event is None:
         return found
 
     def accepts(other: EventLog) -> bool:
-        exact = found.tolerance, found.late
         few = limits.of_states(_STATES_OF_EDIT + _STATES_OF_EVENT * len(other.events))
-        tried = conform(network, mapping, other, constants, *exact, limits=few, run=False, explain=False)
+        tried = conform(network, mapping, other, constants, found.uncertainty, limits=few, run=False, explain=False)
         return tried.accepted is True
 
     try:

@@ -3,9 +3,8 @@
 Events of different places are not recorded in one order. So they form streams: events of one stream happen in their
 recorded order, events of different streams as their times allow.
 
-An output of the model that is recorded at t happened in [t - late, t + tolerance], as an output is seen a little later.
-An input that is recorded at t happens to the model in [t - tolerance, t + late]. Times are rounded outwards to whole
-units of the model.
+The window of an event is what its recorded time leaves open (`TimestampUncertainty`), rounded outwards to whole units
+of the model. An output is seen a little later than it happens, and an input comes to the model a little later.
 """
 
 from __future__ import annotations
@@ -24,6 +23,7 @@ from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
 from tachk.model.network import Network, Process
 from tachk.model.recording import RecordingMap, VisibleEvents
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.model.types import ArrayType, IntType, ScalarType
 from tachk.recordings.conformance.events import END, Cell, Closing, EventLog, RecordedEvent
 
@@ -98,24 +98,22 @@ def make_streams(
     mapping: RecordingMap,
     recording: EventLog,
     constants: Constants,
-    tolerance: Fraction,
-    late: Fraction,
+    uncertainty: TimestampUncertainty,
 ) -> EventStreams:
     """The streams of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
     for its clocks."""
-    origin, scale = origin_of(network, recording, (tolerance, late))
+    origin, scale = origin_of(network, recording, uncertainty)
     modelled = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
     reader = EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
     outgoing = [is_output(visible, modelled) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
-    clock = _RecordingClock.of(recording, origin, scale, (tolerance, late))
+    clock = _RecordingClock.of(recording, origin, scale, uncertainty)
     streams = []
     for (visible, common, found), outputs in zip(entries, outgoing, strict=True):
         events = [recording.events[number] for number, _ in found]
-        seen = outputs or any(event.inferred for event in events)
-        before, behind = (late, tolerance) if seen else (tolerance, late)
+        before, after = uncertainty.around(outputs or any(event.inferred for event in events))
         times = clock.ticks(event.time for event in events)
         closing = _closing(recording, visible, common)
         end = recording.end if closing is None else min(closing.time, recording.end)
@@ -128,11 +126,11 @@ def make_streams(
                 tuple(number for number, _ in found),
                 tuple(values for _, values in found),
                 tuple(accumulate(clock.floors(times, -before), max, initial=0))[1:],
-                tuple(accumulate(reversed(clock.ceilings(times, behind)), min))[::-1],
+                tuple(accumulate(reversed(clock.ceilings(times, after)), min))[::-1],
                 tuple(clock.floors(times, Fraction(0))),
                 tuple(_sent(place, event.after) + passed.get(number, ()) for (number, _), event in pairs),
                 tuple(event.optional for event in events),
-                max(floor((end - origin) * scale - late), 0),
+                max(floor((end - origin) * scale - uncertainty.output_late), 0),
                 outputs and closing is not None and closing.by_sender,
             )
         )
@@ -201,16 +199,12 @@ def _between(streams: EventStreams, bases: Sequence[int], tops: Sequence[int]) -
     return replace(streams, streams=tuple(shortened))
 
 
-def origin_of(network: Network, recording: EventLog, exact: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+def origin_of(network: Network, recording: EventLog, uncertainty: TimestampUncertainty) -> tuple[Fraction, Fraction]:
     """The time of the recording at which the model starts, and the units of the model in a unit of the recording.
-    Raises UsageError.
-
-    Args:
-        exact: the tolerance and the lateness.
-    """
+    Raises UsageError."""
     scale = _scale(network, recording)
     first = recording.events[0].time if recording.events else Fraction(0)
-    return first - max(exact) / scale if recording.start is None else recording.start, scale
+    return first - uncertainty.earliest / scale if recording.start is None else recording.start, scale
 
 
 def _scale(network: Network, recording: EventLog) -> Fraction:
@@ -258,8 +252,11 @@ class _RecordingClock:
     origin: int
 
     @staticmethod
-    def of(recording: EventLog, origin: Fraction, scale: Fraction, others: Sequence[Fraction]) -> _RecordingClock:
-        """In which all times of a recording, and others in units of the model, are whole."""
+    def of(
+        recording: EventLog, origin: Fraction, scale: Fraction, uncertainty: TimestampUncertainty
+    ) -> _RecordingClock:
+        """In which all times of a recording, and what they leave open, are whole."""
+        others = uncertainty.tolerance, uncertainty.input_late, uncertainty.output_late
         different = {event.time.denominator for event in recording.events}
         subdivision = lcm(
             lcm(*different) * scale.denominator, (origin * scale).denominator, *(o.denominator for o in others)

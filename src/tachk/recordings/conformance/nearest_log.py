@@ -125,7 +125,7 @@ class NearestLogSearch:
         assert found.refusal is not None
         event = found.refusal.event if found.refusal.event is not None else len(recording.events)
         self.network, self.mapping, self.constants = network, mapping, constants
-        self.exact = found.tolerance, found.late
+        self.uncertainty = found.uncertainty
         self.limits = limits
         self.work = 0
         self.known: list[dict[object, bool]] = [{} for _ in found.reached]
@@ -139,7 +139,7 @@ class NearestLogSearch:
 
     def accepts(self, recording: EventLog) -> bool:
         """True if each part of the model has a run along these events."""
-        streams = make_streams(self.network, self.mapping, recording, self.constants, *self.exact)
+        streams = make_streams(self.network, self.mapping, recording, self.constants, self.uncertainty)
         return all(self.part(start, known, streams) for start, known in zip(self.starts, self.known, strict=True))
 
     def part(self, start: Start, known: dict[object, bool], streams: EventStreams) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import StrEnum
 
 from tachk.base.records import dataclass
@@ -23,7 +24,7 @@ class Question:
     """The arguments for reading a recording, as of `tachk.api.model.conform`."""
 
     tolerance: str | None = None
-    late: str | None = None
+    late: str | Mapping[str, str] | None = None
     unit: str | None = None
     ports: tuple[int, ...] = ()
     applications: tuple[str, ...] = ()

@@ -14,7 +14,6 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from math import ceil, floor
 
 from tachk.base.diagnostics.diagnostic import InternalError
@@ -30,6 +29,7 @@ from tachk.meaning.dbm import Zone, bound_value, raw_bound
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.model.selections import check_selections
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.components import (
     IndependentComponent,
     are_independent,
@@ -131,7 +131,7 @@ class SegmentSearch:
     """The search for a run along a recording, segment by segment.
 
     Args:
-        exact: the tolerance and the lateness.
+        uncertainty: of recorded times.
         divide: follow parts that share nothing one by one.
 
     Raises UsageError for a recording that does not fit the model.
@@ -143,23 +143,23 @@ class SegmentSearch:
         mapping: RecordingMap,
         recording: EventLog,
         constants: Constants,
-        exact: tuple[Fraction, Fraction],
+        uncertainty: TimestampUncertainty,
         options: Options,
         limits: Limits,
         divide: bool,
     ) -> None:
         self.network, self.mapping, self.constants = network, mapping, constants
-        self.exact, self.options, self.limits = exact, options, limits
-        self.origin, self.scale = origin_of(network, recording, exact)
+        self.uncertainty, self.options, self.limits = uncertainty, options, limits
+        self.origin, self.scale = origin_of(network, recording, uncertainty)
         self.recording = replace(recording, start=self.origin)
-        self.delay = ceil(max(*exact, Fraction(1)))
+        self.delay = max(ceil(uncertainty.largest), 1)
         self.modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
         last = len(recording.events)
         self.shape = self._streams(_Segment(max(last - 1, 0), last, None))  # tells early what is too late for clocks
         whole = IndependentComponent(self.modelled, tuple(range(len(self.shape.streams))))
         parts = components_of(network, mapping, self.shape) if divide else (whole,)
         self.components = parts if are_independent(network, self.modelled, self.shape) else (whole,)
-        self.cut_later = deque([0, ceil(exact[0])] if len(self.components) > 1 else [0])
+        self.cut_later = deque([0, ceil(uncertainty.tolerance)] if len(self.components) > 1 else [0])
         self.statistics: Statistics | None = None
 
     def followed(self) -> Followed | None:
@@ -207,7 +207,7 @@ class SegmentSearch:
 
     def _streams(self, segment: _Segment) -> EventStreams:
         part = excerpt(self.recording, segment.first, segment.top)
-        return make_streams(self.network, self.mapping, part, self.constants, *self.exact)
+        return make_streams(self.network, self.mapping, part, self.constants, self.uncertainty)
 
     def _follow(self, here: _Checkpoint, segment: _Segment) -> tuple[_SegmentEnd, ...] | None:
         streams: EventStreams | None = self._streams(segment)

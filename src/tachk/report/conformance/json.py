@@ -36,9 +36,10 @@ def answer_to_json(found: Conformance) -> dict[str, Any]:
     plain = PlainData(
         {
             type(found): Fields(
-                "recording=recording.source accepted reason tolerance late time_unit events other_events=streams.other "
-                "states=statistics.states_stored seconds=statistics.seconds refusal edit untried_edits=untried "
-                "left_out",
+                "recording=recording.source accepted reason tolerance late "
+                "input_late=uncertainty.input_late output_late=uncertainty.output_late time_unit events "
+                "other_events=streams.other states=statistics.states_stored seconds=statistics.seconds refusal edit "
+                "untried_edits=untried left_out",
                 events=lambda found: len(events) - found.streams.other,
             ),
             Rejection: Fields(

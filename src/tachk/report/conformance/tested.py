@@ -11,11 +11,11 @@ from tachk.base.plain_data import Fields, PlainData
 from tachk.model.quantity import grouped
 from tachk.recordings.conformance.events import RecordedEvent
 from tachk.report.conformance.json import answer_to_json
-from tachk.report.conformance.text import event_text, rejection_lines, units_text
+from tachk.report.conformance.text import event_text, rejection_lines, uncertainty_text, units_text
 from tachk.report.junit_report import clean
 from tachk.simulation.testing.property_goal import PropertyGoal
 from tachk.simulation.testing.shortening import Shortening
-from tachk.simulation.testing.tester import TestResult, TestVerdict
+from tachk.simulation.testing.tester import TestResult, TestSettings, TestVerdict
 
 _LAST = 5
 """So many events before the end of a test that failed are shown."""
@@ -37,10 +37,7 @@ def _lines(result: TestResult, model: str, unit: str) -> Iterator[str]:
         f"{result.verdict.value}: {model}, {_counted(result.inputs, 'input')} and {_counted(outputs, 'output')} in "
         f"{units_text(Fraction(round(result.recording.end)), unit)}"
     )
-    yield (
-        f"with seed {settings.seed}, tolerance {units_text(settings.tolerance, unit)}, "
-        f"late {units_text(settings.late, unit)}"
-    )
+    yield f"with seed {settings.seed}, {uncertainty_text(settings.uncertainty, unit)}"
     if result.reason:
         yield result.reason
     if result.verdict is TestVerdict.FAIL:
@@ -82,6 +79,10 @@ def test_to_json(result: TestResult, shortening: Shortening | None, model: str, 
     plain = PlainData(
         {
             RecordedEvent: Fields("time event=name cells", cells=lambda event: dict(event.cells)),
+            TestSettings: Fields(
+                "tolerance=uncertainty.tolerance late=uncertainty.late input_late=uncertainty.input_late "
+                "output_late=uncertainty.output_late"
+            ),
             Fraction: float,
         }
     )
@@ -91,8 +92,7 @@ def test_to_json(result: TestResult, shortening: Shortening | None, model: str, 
         "verdict": result.verdict.value,
         "reason": result.reason,
         "seed": result.settings.seed,
-        "tolerance": float(result.settings.tolerance),
-        "late": float(result.settings.late),
+        **plain.of(result.settings),
         "end": float(result.recording.end),
         "inputs": result.inputs,
         "outputs": len(result.recording.events) - result.inputs,

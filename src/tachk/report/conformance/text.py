@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
 from tachk.model.quantity import grouped
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance
 from tachk.recordings.conformance.coverage import Covered
 from tachk.recordings.conformance.edits import Edit
@@ -68,6 +69,16 @@ def units_text(amount: Fraction, unit: str) -> str:
     return f"{float(value):.10g} {name}".rstrip()
 
 
+def uncertainty_text(uncertainty: TimestampUncertainty, unit: str) -> str:
+    """``tolerance 5 ms, late 20 ms``, or ``tolerance 5 ms, late input 1 ms, late output 20 ms``"""
+    amounts = {"tolerance": uncertainty.tolerance}
+    if uncertainty.input_late == uncertainty.output_late:
+        amounts |= {"late": uncertainty.late}
+    else:
+        amounts |= {"late input": uncertainty.input_late, "late output": uncertainty.output_late}
+    return ", ".join(f"{name} {units_text(amount, unit)}" for name, amount in amounts.items())
+
+
 def conformance_to_text(found: Conformance, model: str) -> str:
     """The answer, and where the recording leaves the model."""
     return "\n".join(_lines(found, model)) + "\n"
@@ -81,7 +92,7 @@ def _lines(found: Conformance, model: str) -> Iterator[str]:
         other = found.streams.other
         yield f"{grouped(other)} other {'event is' if other == 1 else 'events are'} of no kind that the model contains"
     unit = found.time_unit
-    allowed = f"tolerance {units_text(found.tolerance, unit)}, late {units_text(found.late, unit)}"
+    allowed = uncertainty_text(found.uncertainty, unit)
     match found.accepted:
         case True:
             yield f"a run of the model, with {allowed}"

@@ -10,6 +10,7 @@ from tachk.base.records import dataclass
 from tachk.engine.options import Limits
 from tachk.engine.state_estimate import PredictedStep, StateEstimate, Window
 from tachk.model.recording import RecordingMap
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.event_streams import Constants, EventStreamReader, with_words
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.instrumented_network import LONGEST, InstrumentedNetwork, ObservedStream
@@ -59,8 +60,8 @@ class AllowedNext:
 class FollowedSystem:
     """The states in which a system may be that is as its model says.
 
-    Times are in units of the model since its start. An output that was seen at t happened in [t - late, t + tolerance],
-    an input in [t - tolerance, t + late], rounded outwards to whole units, as `tachk conform` has it.
+    Times are in units of the model since its start. An event happened in the window that the time at which it was seen
+    leaves open, rounded outwards to whole units, as `tachk conform` has it.
 
     Attributes:
         moment: what happened until then has been seen, and the states are those of this moment.
@@ -72,14 +73,12 @@ class FollowedSystem:
         observed: InstrumentedNetwork,
         mapping: RecordingMap,
         constants: Constants,
-        tolerance: Fraction,
-        late: Fraction,
+        uncertainty: TimestampUncertainty,
         limits: Limits,
     ) -> None:
         self.moment = 0
         self._observed = observed
-        self._tolerance = tolerance
-        self._late = late
+        self._uncertainty = uncertainty
         self._mapping = mapping
         self._reader = EventStreamReader(mapping, EventLog(SOURCE, (), None, None, Fraction(0)), constants)
         self._streams = {_key(mapping, stream): n for n, stream in enumerate(observed.streams)}
@@ -129,20 +128,19 @@ class FollowedSystem:
             return False
         clause, common, values = placed
         stream = self._streams[clause, common]
-        is_input = self._observed.streams[stream].is_input
-        before, behind = (self._tolerance, self._late) if is_input else (self._late, self._tolerance)
+        before, behind = self._uncertainty.around(is_output=not self._observed.streams[stream].is_input)
         window = (floor(event.time - before) - self.moment, ceil(event.time + behind) - self.moment)
         self._estimate.observe(stream, values, window, event.optional)
         return True
 
     def advance(self, time: Fraction) -> None:
         """Takes note that everything has been seen that was recorded up to a time. Raises EstimateLimitError."""
-        self._move_to(floor(time - max(self._tolerance, self._late)))
+        self._move_to(floor(time - self._uncertainty.earliest))
 
     def ends_as_modelled(self, time: Fraction) -> bool:
         """True if what was seen up to the end of the recording is a run of the model; what happened less than the
-        lateness before may not have been recorded. Raises EstimateLimitError."""
-        self._move_to(max(floor(time - self._late), 0))
+        lateness of outputs before may not have been recorded. Raises EstimateLimitError."""
+        self._move_to(max(floor(time - self._uncertainty.output_late), 0))
         return self.is_as_modelled and self._estimate.can_conclude()
 
     def _move_to(self, moment: int) -> None:

@@ -11,6 +11,7 @@ from typing import Protocol
 
 from tachk.base.records import dataclass, replace
 from tachk.engine.state_estimate import EstimateLimitError, Window
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.events import Cell, RecordedEvent
 from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext, FollowedSystem
 
@@ -50,22 +51,20 @@ class RandomInputs:
     alone.
     """
 
-    def __init__(self, seed: int, longest: int, tolerance: Fraction, late: Fraction) -> None:
+    def __init__(self, seed: int, longest: int, uncertainty: TimestampUncertainty) -> None:
         """Args:
         longest: the latest moment is so long behind the present one.
-        tolerance, late: an input that is sent at t happens in [t - tolerance, t + late].
         """
         self._random = Random(seed)
         self._longest = longest
-        self._tolerance = tolerance
-        self._late = late
+        self._uncertainty = uncertainty
 
     def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
         last = now + self._longest
         inputs = [
             (event, windows)
             for event in allowed.events
-            if event.is_input and (windows := list(_moments(event, now, last, self._tolerance, self._late)))
+            if event.is_input and (windows := list(_moments(event, now, last, self._uncertainty)))
         ]
         if not inputs or (self._random.random() < _WAITS and not must_act(allowed)):
             return None
@@ -82,11 +81,10 @@ class GuidedInputs:
     then random ones for a while. Where no such edge is found near, or the system does not go there, they are random.
     """
 
-    def __init__(self, seed: int, others: RandomInputs, tolerance: Fraction, late: Fraction) -> None:
+    def __init__(self, seed: int, others: RandomInputs, uncertainty: TimestampUncertainty) -> None:
         self._random = Random(seed)
         self._others = others
-        self._tolerance = tolerance
-        self._late = late
+        self._uncertainty = uncertainty
         self._covered = frozenset[int]()
         self._left = _PURSUIT
 
@@ -100,7 +98,7 @@ class GuidedInputs:
                 lead = system.lead(covered)
             planned = None
             if lead is not None:
-                planned = planned_towards(lead, allowed, now, self._tolerance, self._late)
+                planned = planned_towards(lead, allowed, now, self._uncertainty)
             if planned is not None or (lead is not None and not must_act(allowed)):
                 return planned
             if lead is None:
@@ -137,7 +135,7 @@ class ScriptedInputs:
 
 
 def planned_towards(
-    lead: AllowedEvent, allowed: AllowedNext, first: Fraction, tolerance: Fraction, late: Fraction
+    lead: AllowedEvent, allowed: AllowedNext, first: Fraction, uncertainty: TimestampUncertainty
 ) -> PlannedInput | None:
     """The first moment, from `first` on, at which an input that leads on is possible and received for sure; None to
     wait for an output."""
@@ -145,7 +143,7 @@ def planned_towards(
         if lead.is_input and (event.name, event.cells) == (lead.name, lead.cells):
             wanted = replace(event, windows=lead.windows)
             last = Fraction(max(high for _, high in lead.windows))
-            moments = _moments(wanted, first, last, tolerance, late)
+            moments = _moments(wanted, first, last, uncertainty)
             found = [PlannedInput(event.name, event.cells, low) for low, _ in moments]
             return found[0] if found else None
     return None
@@ -172,23 +170,24 @@ def _moment(random: Random, low: Fraction, high: Fraction, boundaries: Sequence[
 
 
 def _moments(
-    event: AllowedEvent, first: Fraction, last: Fraction, tolerance: Fraction, late: Fraction
+    event: AllowedEvent, first: Fraction, last: Fraction, uncertainty: TimestampUncertainty
 ) -> Iterator[tuple[Fraction, Fraction]]:
     """The intervals of moments at which the event can be sent and is received for sure."""
     for low, high in event.windows:
-        yield from _without(max(Fraction(low), first), min(Fraction(high), last), event.blocked, tolerance, late)
+        yield from _without(max(Fraction(low), first), min(Fraction(high), last), event.blocked, uncertainty)
 
 
 def _without(
-    low: Fraction, high: Fraction, blocked: tuple[Window, ...], tolerance: Fraction, late: Fraction
+    low: Fraction, high: Fraction, blocked: tuple[Window, ...], uncertainty: TimestampUncertainty
 ) -> Iterator[tuple[Fraction, Fraction]]:
     """What is left of an interval where an input does not happen in any of the blocked."""
     if low > high:
         return
+    earlier, later = uncertainty.around(is_output=False)
     for begin, end in blocked:
-        before, behind = begin - late, end + tolerance
+        before, behind = begin - later, end + earlier
         if low <= behind and before <= high:  # the borders of blocked are rounded outwards
-            yield from _without(low, min(high, before - 1), blocked, tolerance, late)
-            yield from _without(max(low, behind + 1), high, blocked, tolerance, late)
+            yield from _without(low, min(high, before - 1), blocked, uncertainty)
+            yield from _without(max(low, behind + 1), high, blocked, uncertainty)
             return
     yield low, high

@@ -15,6 +15,7 @@ from tachk.base.job import StoppedError, check_job
 from tachk.base.records import dataclass, replace
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.input_choice import InputChoice, ScriptedInputs
@@ -76,8 +77,7 @@ def mutant_suite(
     mutants: Sequence[SystemMutant],
     scripts: Sequence[Script],
     never_taken: Collection[tuple[int, int]],
-    tolerance: Fraction,
-    late: Fraction,
+    uncertainty: TimestampUncertainty,
     limits: Limits,
 ) -> MutantSuite:
     """Looks for a test for each mutant.
@@ -85,10 +85,10 @@ def mutant_suite(
     Args:
         scripts: inputs that are tried first.
         never_taken: edges that no run takes, by the numbers of process and edge.
-        tolerance, late: of the tests, in units of the model.
+        uncertainty: of the tests.
         limits: of the states of each search; where the seconds of the job around it are over, the rest is untried.
     """
-    settings = TestSettings(Fraction(_LENGTH * model.instrumented.largest_constant), 0, tolerance, late, limits=limits)
+    settings = TestSettings(Fraction(_LENGTH * model.instrumented.largest_constant), 0, uncertainty, limits=limits)
     search = _MutantSearch(model, settings, [*scripts])
     killed: dict[int, int] = {}
     survived: list[int] = []

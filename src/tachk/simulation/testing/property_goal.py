@@ -10,6 +10,7 @@ from tachk.base.records import dataclass
 from tachk.engine.state_estimate import EstimateLimitError
 from tachk.model.query import Query
 from tachk.model.run import TimedTrace
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.events import RecordedEvent
 from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext, FollowedSystem
 from tachk.simulation.testing.input_choice import InputChoice, PlannedInput, must_act, planned_towards
@@ -40,16 +41,12 @@ class InputsTowardsTarget:
     Where it finds none, and for a while behind the goal, they are random.
     """
 
-    def __init__(
-        self, others: InputChoice, tolerance: Fraction, late: Fraction, inputs: Sequence[RecordedEvent]
-    ) -> None:
+    def __init__(self, others: InputChoice, uncertainty: TimestampUncertainty, inputs: Sequence[RecordedEvent]) -> None:
         """Args:
-        tolerance, late: an input that is sent at t happens in [t - tolerance, t + late].
         inputs: of a run that leads to the goal.
         """
         self._others = others
-        self._tolerance = tolerance
-        self._late = late
+        self._uncertainty = uncertainty
         self._inputs = list(inputs)
         self._left = _PURSUIT
 
@@ -67,7 +64,7 @@ class InputsTowardsTarget:
         if lead is None:
             self._left = -_REST
             return self._others.next_input(system, allowed, now)
-        planned = planned_towards(lead, allowed, now, self._tolerance, self._late)
+        planned = planned_towards(lead, allowed, now, self._uncertainty)
         if planned is None and must_act(allowed):
             return self._others.next_input(system, allowed, now)
         return planned
@@ -79,10 +76,10 @@ class InputsTowardsTarget:
         wanted = [each for each in allowed.events if (each.name, each.cells) == (event.name, dict(event.cells))]
         for each in wanted:
             lead = AllowedEvent(each.name, each.cells, each.is_input, each.windows)
-            planned = planned_towards(lead, allowed, max(now, event.time), self._tolerance, self._late)
+            planned = planned_towards(lead, allowed, max(now, event.time), self._uncertainty)
             if planned is not None:
                 return planned
-        if now > event.time + self._late:
+        if now > event.time + self._uncertainty.late:
             self._inputs.clear()
         return None
 

@@ -83,7 +83,7 @@ class _Tries:
     def __init__(self, model: TestedModel, open_system: Callable[[], SystemAdapter], run: TestRun, ends: float) -> None:
         self._model = model
         self._open_system = open_system
-        spread = run.settings.tolerance + run.settings.late + 1
+        spread = run.settings.uncertainty.width + 1
         self._settings = replace(run.settings, duration=run.recording.end + spread)
         self._ends = ends
         self.count = 0

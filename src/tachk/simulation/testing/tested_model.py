@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UsageError
@@ -12,7 +13,7 @@ from tachk.engine.simulation.policy import Policy
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
-from tachk.recordings.conformance.conform_file import constants_of, duration
+from tachk.recordings.conformance.conform_file import allowances_of, constants_of, duration
 from tachk.recordings.conformance.event_streams import EventStreamReader, is_output, origin_of
 from tachk.recordings.conformance.events import EventLog
 from tachk.recordings.conformance.location_columns import with_location_variables
@@ -36,7 +37,8 @@ class TestRequest:
     Attributes:
         adapter: the system, as `--adapter` names it; or a model, whose processes stand for the system.
         duration: such as ``5ms``; None: 10 s, or 10,000 units of a model that does not say how long a unit is.
-        pause, tolerance, late: durations; None: as the model says.
+        pause, tolerance: durations; None: as the model says.
+        late: a duration, or durations by ``input`` and ``output``; None: as the model says.
         shorten: for so many seconds shorter tests that fail are looked for if a test fails.
         inputs: a recording whose inputs are sent, at its times, in place of chosen ones.
     """
@@ -47,7 +49,7 @@ class TestRequest:
     duration: str | None = None
     seed: int = 0
     tolerance: str | None = None
-    late: str | None = None
+    late: str | Mapping[str, str] | None = None
     pause: str | None = None
     shorten: float | None = None
     goal: TestGoal | PropertyGoal = TestGoal.RANDOM
@@ -63,13 +65,11 @@ def run_test_of_model(
     """
     network, mapping = with_location_variables(loaded.network, replacing_map(loaded, name))
     unit = network.time_unit
-    tolerance = mapping.tolerance if request.tolerance is None else duration(request.tolerance, unit)
-    late = mapping.late if request.late is None else duration(request.late, unit)
+    allowances = allowances_of(request.tolerance, request.late, unit).over(mapping.allowances)
     settings = TestSettings(
         duration(request.duration or (_SECONDS if unit else _UNITS), unit),
         request.seed,
-        tolerance,
-        tolerance if late is None else late,
+        allowances.uncertainty(),
         None if request.pause is None else _pause(request.pause, unit),
         limits,
         request.goal,
@@ -120,7 +120,7 @@ def replacing_map(loaded: LoadedModel, name: str) -> RecordingMap:
 def _script(model: TestedModel, recording: EventLog, settings: TestSettings) -> EventLog:
     """The inputs of a recording, with times in units of the model since its start. Raises UsageError if it has none, or
     one that the model does not have."""
-    origin, scale = origin_of(model.network, recording, (settings.tolerance, settings.late))
+    origin, scale = origin_of(model.network, recording, settings.uncertainty)
     names = input_names(model.network, model.mapping)
     inputs = tuple(
         replace(event, time=(event.time - origin) * scale) for event in recording.events if event.name in names
@@ -133,7 +133,7 @@ def _script(model: TestedModel, recording: EventLog, settings: TestSettings) -> 
     reader = EventStreamReader(model.mapping, recording, model.constants)
     for event in inputs:
         reader.place(event)
-    end = max((recording.end - origin) * scale, inputs[-1].time) + settings.tolerance + settings.late + 1
+    end = max((recording.end - origin) * scale, inputs[-1].time) + settings.uncertainty.width + 1
     return EventLog(recording.source, inputs, None, Fraction(0), end)
 
 

@@ -24,6 +24,7 @@ from tachk.model.quantity import duration
 from tachk.model.query import Query
 from tachk.model.recording import RecordingMap
 from tachk.model.run import TimedTrace
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
@@ -61,7 +62,7 @@ class TestSettings:
     """Attributes:
     duration: of the test, in units of the model.
     pause: the longest time until the next input, in units of the model; None: the largest constant of its clocks.
-    tolerance, late: of times, in units of the model, as of `tachk conform`.
+    uncertainty: of the times at which events are seen, as of `tachk conform`.
     goal: how inputs are chosen.
     """
 
@@ -69,8 +70,7 @@ class TestSettings:
 
     duration: Fraction
     seed: int
-    tolerance: Fraction
-    late: Fraction
+    uncertainty: TimestampUncertainty
     pause: int | None = None
     limits: Limits = Limits()
     goal: TestGoal | PropertyGoal = TestGoal.RANDOM
@@ -139,14 +139,14 @@ class TestedModel:
 
     def inputs(self, settings: TestSettings) -> InputChoice:
         """The inputs of a test with these settings."""
-        others = RandomInputs(settings.seed, self.pause(settings), settings.tolerance, settings.late)
+        others = RandomInputs(settings.seed, self.pause(settings), settings.uncertainty)
         match settings.goal:
             case TestGoal.RANDOM:
                 return others
             case TestGoal.EDGES:
-                return GuidedInputs(settings.seed, others, settings.tolerance, settings.late)
+                return GuidedInputs(settings.seed, others, settings.uncertainty)
             case PropertyGoal(run=run):
-                return InputsTowardsTarget(others, settings.tolerance, settings.late, self._inputs_of(run))
+                return InputsTowardsTarget(others, settings.uncertainty, self._inputs_of(run))
 
     def _inputs_of(self, run: TimedTrace | None) -> list[RecordedEvent]:
         """The inputs of a run of the network."""
@@ -209,8 +209,7 @@ def _is_test_to_blame(model: TestedModel, run: TestRun, found: Conformance) -> b
         model.mapping,
         before,
         model.constants,
-        settings.tolerance,
-        settings.late,
+        settings.uncertainty,
         limits=settings.limits,
         run=False,
         explain=False,
@@ -238,8 +237,7 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
             model.mapping,
             run.recording,
             model.constants,
-            settings.tolerance,
-            settings.late,
+            settings.uncertainty,
             limits=settings.limits,
             run=False,  # two searches agree; exact times of a long run can take much longer than they
         )
@@ -251,7 +249,7 @@ def confirmed(model: TestedModel, run: TestRun) -> TestResult:
         if verdict is TestVerdict.FAIL and _is_test_to_blame(model, run, found):
             verdict = TestVerdict.INCONCLUSIVE
             reason = "the test sent an input at the very moment from which on the model does not allow it"
-        if verdict is TestVerdict.FAIL and run.waited > settings.late:
+        if verdict is TestVerdict.FAIL and run.waited > settings.uncertainty.least_late:
             verdict = TestVerdict.INCONCLUSIVE
             reason = (
                 "the system had to wait for a processor for "
@@ -284,7 +282,7 @@ class _TestUnderWay:
         self.choice = choice
         self.pause = model.pause(settings)
         self.followed = FollowedSystem(
-            model.instrumented, model.mapping, model.constants, settings.tolerance, settings.late, settings.limits
+            model.instrumented, model.mapping, model.constants, settings.uncertainty, settings.limits
         )
         self.known = Fraction(0)
         self.events: list[RecordedEvent] = []
@@ -319,17 +317,18 @@ class _TestUnderWay:
             return False
         self.states = max(self.states, self.followed.states)
         now = max(self.system.time(), self.known)
-        spread = max(self.settings.tolerance, self.settings.late)
+        spread = self.settings.uncertainty.largest
         self.allowed = self.followed.allowed(ceil(now) + self.pause + ceil(spread) + 1)
         planned = self.choice.next_input(self.followed, self.allowed, now)
-        self._wait(planned, now, spread)
+        self._wait(planned, now)
         return True
 
-    def _wait(self, planned: PlannedInput | None, now: Fraction, spread: Fraction) -> None:
+    def _wait(self, planned: PlannedInput | None, now: Fraction) -> None:
         assert self.allowed is not None
         until = now + self.pause if planned is None else planned.moment
         if self.allowed.bounded:  # a silence that is too long is seen a little later
-            until = min(until, max(self.allowed.silent_until + spread + 1, now))
+            seen = self.allowed.silent_until + self.settings.uncertainty.earliest + 1
+            until = min(until, max(seen, now))
         until = min(until, self.settings.duration)
         if self._take_outputs(until):
             return
@@ -368,7 +367,7 @@ class _TestUnderWay:
 
     def _wait_for_excuse(self) -> None:
         """Lets the system go on: that it has to wait for a processor is counted when it has got one."""
-        last = self.system.time() + _EXCUSE * (self.settings.tolerance + self.settings.late)
+        last = self.system.time() + _EXCUSE * self.settings.uncertainty.width
         with suppress(SystemEndedError, UsageError):
             for _ in range(_AT_ONCE):
                 if self.system.next_output(last) is None:
@@ -377,7 +376,7 @@ class _TestUnderWay:
 
     def _waited(self) -> Fraction:
         """The time for which the system waited for a processor while it came to what is the last event."""
-        begin = self.known - _RECENT * (self.settings.tolerance + self.settings.late)
+        begin = self.known - _RECENT * self.settings.uncertainty.width
         before = [waited for known, waited in self.waits if known <= begin]
         return self.waits[-1][1] - (before[-1] if before else self.waits[0][1]) if self.waits else Fraction(0)
 

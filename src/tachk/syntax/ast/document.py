@@ -106,9 +106,15 @@ class HiddenClause(Node):
 
 @dataclass(frozen=True, slots=True)
 class AllowanceClause(Node):
-    """``tolerance 5 ms;`` or ``late 20 ms;``; without a unit in units of the model, ``unit`` is empty then."""
+    """``tolerance 5 ms;``, ``late 20 ms;`` or ``late input 1 ms;``; without a unit in units of the model, ``unit`` is
+    empty then.
+
+    Attributes:
+        side: ``input`` or ``output``, whose lateness it is; empty where none is named.
+    """
 
     word: str
+    side: str
     amount: int
     unit: str
 

@@ -260,9 +260,14 @@ class Builder(ExpressionBuilder, FormulaBuilder):
         columns = next((each for each in rest if isinstance(each, ListOf)), ())
         return ast.RecordedModelClause(span_of(children), path.text[1:-1], tuple(columns))
 
-    def allowance(self, children: Children) -> ast.AllowanceClause:
-        word, amount, unit, _ = children
-        return ast.AllowanceClause(span_of(children), word.text, int(amount.text), "" if unit is None else unit.text)
+    def tolerance(self, children: Children) -> ast.AllowanceClause:
+        word, *rest = children
+        return self.lateness([word, None, *rest])
+
+    def lateness(self, children: Children) -> ast.AllowanceClause:
+        word, side, amount, unit, _ = children
+        names = ["" if each is None else each.text for each in (side, unit)]
+        return ast.AllowanceClause(span_of(children), word.text, names[0], int(amount.text), names[1])
 
     def columns(self, children: Children) -> ListOf:
         return ListOf(nodes(children))

@@ -59,6 +59,8 @@ SPELLING = {
     "HIDDEN": "hidden",
     "TOLERANCE": "tolerance",
     "LATE": "late",
+    "INPUT": "input",
+    "OUTPUT": "output",
     "SCENARIO": "scenario",
     "WITH": "with",
     "NOTHING": "nothing",
@@ -380,14 +382,25 @@ class _NameResolver:
         elif self.inside is _Inside.SCENARIO:
             self.within_scenario(token, last)
         elif self.inside is _Inside.RECORDING:
-            if (token.text == "as" and (last.text in ("]", "!", "?") or last.type == "NAME")) or (
-                token.text == "per" and last.text == ")"
-            ):
-                token.type = token.text.upper()
+            self.within_recording(token, last)
         elif token.text == "priority" and last.type == "CHAN" and self.type(1) == "NAME":
             token.type = "PRIORITY"
         elif last.text in (")", "else", "do") or last.type == "DO":
             self.statement_word(token)
+
+    def within_recording(self, token: Token, last: Token) -> None:
+        """Mark ``as`` behind a channel, ``per`` behind the columns, and ``input`` or ``output`` behind ``late``."""
+        match token.text:
+            case "as":
+                found = last.text in ("]", "!", "?") or last.type == "NAME"
+            case "per":
+                found = last.text == ")"
+            case "input" | "output":
+                found = last.type == "LATE"
+            case _:
+                return
+        if found:
+            token.type = token.text.upper()
 
     def resumes_after_omission(self, token: Token) -> bool:
         """Mark a word that can only begin a block although the ``;`` before it was forgotten, for better messages."""

@@ -287,8 +287,8 @@ def _clause(clause: ast.RecordingClause) -> str:
         case ast.RecordedModelClause(path=path, constants=constants):
             values = ", ".join(map(_column, constants))
             return f'import "{path}"' + (f" ({values})" if values else "")
-        case ast.AllowanceClause(word=word, amount=amount, unit=unit):
-            return f"{word} {amount} {unit}".rstrip()
+        case ast.AllowanceClause(word=word, side=side, amount=amount, unit=unit):
+            return " ".join(filter(None, (word, side, str(amount), unit)))
 
 
 def _column(column: ast.RecordedColumn) -> str:

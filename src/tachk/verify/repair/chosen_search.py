@@ -64,7 +64,7 @@ def accepting_choices(
         product_of: the network that follows the events of a part, with the edges that make choices with these numbers.
         made_by: the number of the choice that an edge of a part makes.
     """
-    streams = make_streams(near.network, near.mapping, recording, near.constants, *near.exact)
+    streams = make_streams(near.network, near.mapping, recording, near.constants, near.uncertainty)
     left = list(choices)
     for start, known in zip(near.starts, near.known, strict=True):
         if left and not near.part(start, known, streams):

@@ -8,7 +8,6 @@ fewer of the changed recordings are runs with it. Then each is held against all 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from fractions import Fraction
 from math import ceil
 
 from tachk.base.job import StoppedError
@@ -17,6 +16,7 @@ from tachk.engine.options import Limits
 from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.components import IndependentComponent
 from tachk.recordings.conformance.conform import Conformance, Reached, conform, events_along
 from tachk.recordings.conformance.conform_file import constants_of
@@ -83,13 +83,12 @@ class RecordingSet:
     """The recordings that are to be runs of a model.
 
     Attributes:
-        tolerance, late: in units of the model; None: as it says.
+        uncertainty: of recorded times.
     """
 
     recordings: tuple[EventLog, ...]
     constants: Constants
-    tolerance: Fraction | None
-    late: Fraction | None
+    uncertainty: TimestampUncertainty
     limits: Limits
 
     def conformance(
@@ -100,8 +99,7 @@ class RecordingSet:
             mapping,
             self.recordings[number],
             self.constants,
-            self.tolerance,
-            self.late,
+            self.uncertainty,
             limits=self.limits,
             run=False,
             explain=explain,
@@ -123,8 +121,7 @@ class RecordingSet:
 def repair(
     loaded: LoadedModel,
     recordings: Sequence[EventLog],
-    tolerance: Fraction | None,
-    late: Fraction | None,
+    uncertainty: TimestampUncertainty,
     limits: Limits,
 ) -> Repair:
     """The changes with each of which all recordings are runs of a model.
@@ -135,7 +132,7 @@ def repair(
 
     Raises UsageError for recordings that do not fit the model.
     """
-    wanted = RecordingSet(tuple(recordings), constants_of(loaded), tolerance, late, limits)
+    wanted = RecordingSet(tuple(recordings), constants_of(loaded), uncertainty, limits)
     plain = extended_model(loaded, ())
     rejected = [
         (number, found)
@@ -289,7 +286,7 @@ class _EdgeSearch:
 def _changed(screening: EdgeScreening, found: Conformance) -> Iterator[EventLog]:
     """The events near the place where the recording leaves the model, each time with one edit."""
     near, scale = screening.near, found.streams.scale
-    shift = 2 * ceil(found.tolerance + found.late) + 1
+    shift = 2 * ceil(found.uncertainty.width) + 1
     step = ceil(len(near.numbers) / _CHANGED)
     for number in range(0, len(near.numbers), step):
         for edit in (Edit(number, "lost"), Edit(number, "doubled"), Edit(number, "moved", shift)):

@@ -74,6 +74,18 @@ def random_machine(random: Random) -> Machine:
     return Machine(invariants, tuple(edges))
 
 
+def answering_machine(random: Random) -> Machine:
+    """A machine that answers inputs, and may also speak on its own."""
+    number, low = random.randrange(3), random.randint(0, 2)
+    edges = [
+        Edge(0, 1, "in", 0, 0, 0, LONGEST, True),
+        Edge(1, 0, "out", 0, number, low, random.choice((LONGEST, low + 1)), random.random() < 0.5),
+    ]
+    if random.random() < 0.3:
+        edges.append(Edge(0, 0, "out", random.randrange(KEYS), number, random.randint(0, 3), LONGEST, True))
+    return Machine((LONGEST, LONGEST), tuple(edges))
+
+
 def text_of(machines: tuple[Machine, ...], hidden: bool) -> str:
     """The model. With ``hidden`` inputs are not recorded."""
     lines = ["meta int number = 0;", f"broadcast chan say[{len(machines)}][{KEYS}];"]
@@ -183,11 +195,13 @@ def is_run(
     events: list[Event],
     end: int,
     tolerance: int,
-    late: int,
+    late: int | tuple[int, int],
     hidden: bool,
     ordered: bool = False,
 ) -> bool:
     """Whether some run at whole times has these events.
+
+    The lateness is that of inputs and outputs, or a pair of both.
 
     With ``ordered`` outputs of a machine that were recorded before an input of it happen before that. A model none of
     whose edges sends what is recorded as output has these events from outside, and hears none of them.
@@ -198,12 +212,14 @@ def is_run(
             event = replace(event, needed=len(streams.get(("out", event.machine), ())))
         streams.setdefault((event.label, event.machine), []).append(event)
     names = sorted(streams)
-    quiet = max(end - late, 0)
+    input_late, output_late = (late, late) if isinstance(late, int) else late
+    quiet = max(end - output_late, 0)
     sent = any(edge.label == "out" for machine in machines for edge in machine.edges)
 
     def window(event: Event) -> tuple[int, int]:
-        before, behind = (late, tolerance) if event.label == "out" and sent else (tolerance, late)
-        return event.time - before, event.time + behind
+        if event.label == "out" and sent:
+            return event.time - output_late, event.time + tolerance
+        return event.time - tolerance, event.time + input_late
 
     start = (tuple(Place() for _ in machines), (0,) * len(names))
     present = {start}

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.cli.main import app
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of, with_log
 from tachk.recordings.conformance.events import Closing, EventLog, RecordedEvent
@@ -104,8 +105,7 @@ def test_calls_of_the_run_function_put_a_heartbeat_off(calls: bool, expected: bo
         model.loaded.recording,
         with_log(read_capture(capture), noted),
         constants_of(model.loaded),
-        Fraction(30),
-        Fraction(60),
+        TimestampUncertainty.of(Fraction(30), Fraction(60)),
         limits=tachk.Limits(states=20_000),
         run=False,
         explain=False,

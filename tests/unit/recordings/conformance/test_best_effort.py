@@ -12,6 +12,7 @@ import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
@@ -37,8 +38,7 @@ def is_run(recording: EventLog) -> bool | None:
         model.loaded.recording,
         recording,
         constants_of(model.loaded),
-        Fraction(5),
-        Fraction(20),
+        TimestampUncertainty.of(Fraction(5), Fraction(20)),
         limits=tachk.Limits(states=40_000),
         run=False,
         explain=False,

@@ -10,6 +10,7 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.components import are_independent, components_of, separated
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
@@ -50,13 +51,13 @@ recording {{
 """
 
 
-def _whole_and_parts(model: tachk.Model, recording: EventLog, tolerance: int, late: int) -> list[Conformance]:
+def _whole_and_parts(model: tachk.Model, recording: EventLog, tolerance: int, *late: int) -> list[Conformance]:
     mapping = model.loaded.recording
     assert mapping is not None
     names = constants_of(model.loaded)
-    exact = (Fraction(tolerance), Fraction(late))
+    exact = TimestampUncertainty(Fraction(tolerance), Fraction(late[0]), Fraction(late[-1]))
     return [
-        conform(model.network, mapping, recording, names, *exact, run=divide, divide=divide) for divide in (False, True)
+        conform(model.network, mapping, recording, names, exact, run=divide, divide=divide) for divide in (False, True)
     ]
 
 
@@ -97,7 +98,8 @@ def test_verdicts_are_those_of_the_whole(seed: int, tmp_path: Path) -> None:
     for _ in range(12):
         model = _ball(random)
         file.write_text(_rally(random), encoding="utf-8")
-        whole, components = _whole_and_parts(model, read_events(file, None), random.randrange(3), random.randrange(3))
+        exact = [random.randrange(3) for _ in range(3)]
+        whole, components = _whole_and_parts(model, read_events(file, None), *exact)
         assert whole.accepted is components.accepted, file.read_text(encoding="utf-8")
         answers.append(whole.accepted)
     assert set(answers) == {True, False}
@@ -111,7 +113,9 @@ def test_what_is_shared_joins_parts(tmp_path: Path) -> None:
         mapping, recording = model.loaded.recording, read_events(file, None)
         assert mapping is not None
         names = constants_of(model.loaded)
-        streams = make_streams(model.network, mapping, recording, names, Fraction(1), Fraction(1))
+        streams = make_streams(
+            model.network, mapping, recording, names, TimestampUncertainty.of(Fraction(1), Fraction(1))
+        )
         return len(components_of(model.network, mapping, streams))
 
     assert components(_ball(Random(1), shared=1)) == 2
@@ -124,7 +128,13 @@ def test_clients_and_agent_are_apart() -> None:
     capture = sorted((ROOT / "tests/data/captures").glob("*.pcap"))[0]
     mapping, recording = model.loaded.recording, read_capture(capture)
     assert mapping is not None
-    streams = make_streams(model.network, mapping, recording, constants_of(model.loaded), Fraction(5), Fraction(20))
+    streams = make_streams(
+        model.network,
+        mapping,
+        recording,
+        constants_of(model.loaded),
+        TimestampUncertainty.of(Fraction(5), Fraction(20)),
+    )
     components = components_of(model.network, mapping, streams)
     assert sorted(len(component.processes) for component in components) == [5, 5, 12]
     cut = separated(streams, components)

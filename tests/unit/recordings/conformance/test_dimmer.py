@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import gzip
 import json
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -21,7 +23,7 @@ MODEL = ROOT / "examples/dimmer/dimmer.ta"
 SCHEMA = json.loads((ROOT / "docs/schema/conform.schema.json").read_text(encoding="utf-8"))
 
 
-def accepted(tmp_path: Path, rows: str, **given: str) -> bool | None:
+def accepted(tmp_path: Path, rows: str, **given: Any) -> bool | None:
     file = tmp_path / "events.csv"
     file.write_text(f"time,event,on,level\n{rows}", encoding="utf-8")
     return tachk.conform(MODEL, file, **given).accepted
@@ -90,6 +92,62 @@ def test_lateness_is_of_what_is_recorded(tmp_path: Path) -> None:
     assert accepted(tmp_path, "2,press,,\n4,light,1,7\n", tolerance="0", late="3") is False
     assert accepted(tmp_path, "2,press,,\n10,light,1,7\n", tolerance="0", late="3") is True
     assert accepted(tmp_path, "2,press,,\n14,light,1,7\n", tolerance="0", late="3") is False
+
+
+def test_latenesses_apart(tmp_path: Path) -> None:
+    """The lamp goes on 3 to 5 after the press, which came to it later than recorded, or was itself seen later."""
+    for light, input_late, output_late in ((10, 3, 0), (10, 0, 3), (10, 2, 1), (5, 0, 0)):
+        late = {"input": str(input_late), "output": str(output_late)}
+        assert accepted(tmp_path, f"2,press,,\n{light},light,1,7\n", tolerance="0", late=late) is True
+    for light, input_late, output_late in ((10, 2, 0), (10, 0, 2), (10, 1, 1), (4, 3, 3)):
+        late = {"input": str(input_late), "output": str(output_late)}
+        assert accepted(tmp_path, f"2,press,,\n{light},light,1,7\n", tolerance="0", late=late) is False
+
+
+def test_a_lateness_alone_leaves_the_other_as_it_is(tmp_path: Path) -> None:
+    model = tmp_path / "dimmer.ta"
+    text = MODEL.read_text(encoding="utf-8")
+    for said, late, expected in (
+        ("late 4 ms;", {"input": "1ms"}, (1, 4)),
+        ("late 4 ms;", {"output": "1ms"}, (4, 1)),
+        ("late output 4 ms;", None, (2, 4)),
+        ("late input 4 ms; late output 5 ms;", {"output": "0.5ms"}, (4, Fraction(1, 2))),
+        ("late input 4 ms;", "3ms", (3, 3)),
+        ("late input 4 ms;", {}, (4, 2)),
+    ):
+        model.write_text(text.replace("tolerance 1 ms;", f"{said} tolerance 2 ms;"), encoding="utf-8")
+        found = tachk.conform(model, ROOT / "examples/dimmer/pressed.csv", late=late)
+        assert (found.uncertainty.input_late, found.uncertainty.output_late) == expected
+        assert (found.tolerance, found.late) == (2, max(expected))
+
+
+def test_a_lateness_that_is_given_stays_while_the_tolerance_is_found() -> None:
+    found = tachk.conform(MODEL, ROOT / "examples/dimmer/too_soon.csv", tolerance="auto", late={"input": "0ms"})
+    assert found.accepted
+    assert (found.uncertainty.input_late, found.uncertainty.output_late) == (0, found.tolerance)
+
+
+@pytest.mark.parametrize("late", [{"in": "1ms"}, {"input": 3}, {"output": "soon"}, {"": "1ms"}, 3])
+def test_a_wrong_lateness_is_an_error(late: Any) -> None:
+    with pytest.raises(tachk.UsageError):
+        tachk.conform(MODEL, ROOT / "examples/dimmer/pressed.csv", late=late)
+
+
+def test_latenesses_of_the_command_line() -> None:
+    """The last one that is about inputs, or outputs, counts."""
+    for given, expected in (
+        (["20ms"], "late 20 ms"),
+        (["input=1ms"], "late 1 ms"),
+        (["input=2ms"], "late input 2 ms, late output 1 ms"),
+        (["20ms", "input = 0ms"], "late input 0 ms, late output 20 ms"),
+        (["output=3ms", "input=2ms", "output=4ms"], "late input 2 ms, late output 4 ms"),
+        (["output=3ms", "2ms"], "late 2 ms"),
+    ):
+        options = [text for each in given for text in ("--late", each)]
+        recording = str(ROOT / "examples/dimmer/pressed.csv")
+        result = CliRunner().invoke(app, ["conform", str(MODEL), recording, *options])
+        assert result.exit_code == 0
+        assert f"with tolerance 1 ms, {expected}\n" in result.output
 
 
 def test_least_tolerance(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import tachk
 from tachk.engine.compiler.program import Program
 from tachk.engine.exact.exact_run import Moments
 from tachk.model.run import Transition
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.model.types import ClockType
 from tachk.recordings.conformance import conform as conformance
 from tachk.recordings.conformance import conform as exact_runs
@@ -33,8 +34,8 @@ def held(name: str) -> Conformance:
     model = tachk.load(ROOT / "models/micro_xrce_dds/recorded.ta", **given)
     assert model.loaded.recording is not None
     recording = read_capture(CAPTURES / f"{name}.pcap")
-    exact = Fraction(5), Fraction(5)
-    return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), *exact)
+    exact = TimestampUncertainty.of(Fraction(5), Fraction(5))
+    return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), exact)
 
 
 def test_core_and_reference_make_the_same_run_of_a_capture(monkeypatch: pytest.MonkeyPatch) -> None:

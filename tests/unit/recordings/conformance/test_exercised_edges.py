@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import tachk
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.coverage import Covered, coverage
@@ -39,8 +40,7 @@ def held(name: str, late: int = 5, **others: object) -> tuple[tachk.Model, Confo
         model.loaded.recording,
         read_capture(CAPTURES / f"{name}.pcap"),
         constants_of(model.loaded),
-        Fraction(5),
-        Fraction(late),
+        TimestampUncertainty.of(Fraction(5), Fraction(late)),
         limits=tachk.Limits(states=100_000),
         explain=False,
     )

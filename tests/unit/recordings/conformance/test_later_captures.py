@@ -16,6 +16,7 @@ import pytest
 import tachk
 from tachk.api.monitoring import monitor
 from tachk.base.diagnostics.diagnostic import UsageError
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of, with_log
 from tachk.recordings.conformance.event_tables import read_events
@@ -49,8 +50,7 @@ def accepted(name: str, late: int = 5, states: int = 80_000, **others: object) -
         model.loaded.recording,
         read_capture(CAPTURES / f"{name}.pcap"),
         constants_of(model.loaded),
-        Fraction(5),
-        Fraction(late),
+        TimestampUncertainty.of(Fraction(5), Fraction(late)),
         limits=tachk.Limits(states=states),
         run=False,
         explain=False,
@@ -68,8 +68,7 @@ def in_noise(name: str, exact: int, late: int, **settings: int) -> bool | None:
         model.loaded.recording,
         read_capture(CAPTURES.parent / f"{name}.pcap"),
         constants_of(model.loaded),
-        Fraction(exact),
-        Fraction(late),
+        TimestampUncertainty.of(Fraction(exact), Fraction(late)),
         limits=tachk.Limits(states=60_000),
         run=False,
         explain=False,
@@ -155,8 +154,7 @@ def second_read(name: str, late: int, clients: list[list[dict[str, Any]]], path:
         model.loaded.recording,
         recording,
         constants_of(model.loaded),
-        Fraction(10),
-        Fraction(late),
+        TimestampUncertainty.of(Fraction(10), Fraction(late)),
         limits=tachk.Limits(states=60_000),
         run=False,
         explain=False,

@@ -14,6 +14,7 @@ from tachk.engine.compiler.lower import lower
 from tachk.engine.options import Options
 from tachk.engine.zone import explore
 from tachk.model.expressions import LocationTest
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance import nearest_log
 from tachk.recordings.conformance.components import restricted
 from tachk.recordings.conformance.conform import Conformance, conform
@@ -53,7 +54,7 @@ def _events(recording: EventLog) -> list[Event]:
 
 def _clocks_go_on(near: nearest_log.NearestLogSearch) -> None:
     """Where the processes wake, the clocks have just the values with which the run came there."""
-    streams = make_streams(near.network, near.mapping, near.recording, near.constants, *near.exact)
+    streams = make_streams(near.network, near.mapping, near.recording, near.constants, near.uncertainty)
     for start in near.starts:
         if start.end is not None:
             component, before = start.reached.component, start.reached.product
@@ -87,7 +88,13 @@ def test_what_is_found_near_is_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyP
         file.write_text(csv_of(changed, end), encoding="utf-8")
         recording = read_events(file, None)
         assert model.loaded.recording is not None
-        found = conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), one, one)
+        found = conform(
+            model.network,
+            model.loaded.recording,
+            recording,
+            constants_of(model.loaded),
+            TimestampUncertainty(one, one, 2 * one),
+        )
         if found.refusal is None or found.refusal.event is None:
             continue
         near = _near(model, recording, found)
@@ -97,7 +104,7 @@ def test_what_is_found_near_is_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyP
         for edit in list(edits(near.recording, place, found.refusal.enabled_events, Fraction(0), one))[:10]:
             whole = edited(recording, replace(edit, event=near.numbers[edit.event]), one)
             if all(0 <= event.time <= end for event in whole.events):
-                truth = is_run(machines, _events(whole), end, 1, 1, False)
+                truth = is_run(machines, _events(whole), end, 1, (1, 2), False)
                 said[near.accepts(edited(near.recording, edit, one)), truth] += 1
     assert said[True, False] == 0
     assert said[True, True] > 10

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
@@ -89,8 +90,7 @@ def test_last_message_of_the_last_repetition(capture: Path, packet: int | None, 
         model.loaded.recording,
         recording,
         constants_of(model.loaded),
-        Fraction(5),
-        Fraction(5),
+        TimestampUncertainty.of(Fraction(5), Fraction(5)),
         limits=tachk.Limits(states=60_000),
         run=False,
         explain=False,
@@ -118,8 +118,7 @@ def test_real_captures(capture: Path, guarded: bool, expected: bool) -> None:
         model.loaded.recording,
         read_capture(capture),
         constants_of(model.loaded),
-        Fraction(5),
-        Fraction(10),
+        TimestampUncertainty.of(Fraction(5), Fraction(10)),
         limits=tachk.Limits(states=50_000),
         run=False,
         explain=False,

@@ -10,16 +10,14 @@ from random import Random
 import pytest
 
 import tachk
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import read_events
 from tests.support.seeds import seeds
 from tests.unit.recordings.conformance.small_models import (
-    KEYS,
-    LONGEST,
-    Edge,
     Event,
-    Machine,
+    answering_machine,
     csv_of,
     is_run,
     mutated,
@@ -40,13 +38,13 @@ def test_engine_agrees_with_judge(seed: int, tmp_path: Path) -> None:
     file = tmp_path / "events.csv"
     for case in range(8):
         events, end = random_run(random, machines, 14, hidden)
-        tolerance, late = random.randrange(2), random.randrange(3)
+        tolerance, late = random.randrange(2), (random.randrange(3), random.randrange(3))
         if case % 4:
             events = mutated(random, events, end)
         expected = is_run(machines, events, end, tolerance, late, hidden)
         assert expected or case % 4, "a run of the model"
         file.write_text(csv_of(events, end), encoding="utf-8")
-        found = tachk.conform(model, file, str(tolerance), str(late))
+        found = tachk.conform(model, file, str(tolerance), {"input": str(late[0]), "output": str(late[1])})
         assert found.accepted is expected, f"seed {seed}, case {case}"
 
 
@@ -61,24 +59,14 @@ def _exchanged(random: Random, events: list[Event]) -> list[Event]:
     return [*events[: place - 1], *swapped, *events[place + 1 :]]
 
 
-def _answering(random: Random) -> Machine:
-    """A machine that answers inputs, and may also speak on its own."""
-    number, low = random.randrange(3), random.randint(0, 2)
-    edges = [
-        Edge(0, 1, "in", 0, 0, 0, LONGEST, True),
-        Edge(1, 0, "out", 0, number, low, random.choice((LONGEST, low + 1)), random.random() < 0.5),
-    ]
-    if random.random() < 0.3:
-        edges.append(Edge(0, 0, "out", random.randrange(KEYS), number, random.randint(0, 3), LONGEST, True))
-    return Machine((LONGEST, LONGEST), tuple(edges))
-
-
 def test_one_observer_of_a_machine(tmp_path: Path) -> None:
     """What it was seen to send before something came to it has happened before that, however late it was recorded."""
     random, file = Random(0), tmp_path / "events.csv"
     differ = 0
     for case in range(40):
-        machines = tuple(random.choice((random_machine, _answering))(random) for _ in range(random.randint(1, 2)))
+        machines = tuple(
+            random.choice((random_machine, answering_machine))(random) for _ in range(random.randint(1, 2))
+        )
         run, end = random_run(random, machines, 14, hidden=False)
         if {event.label for event in run} != {"in", "out"}:
             continue
@@ -92,7 +80,13 @@ def test_one_observer_of_a_machine(tmp_path: Path) -> None:
         seen = replace(free, events=tuple(replace(e, passes=int(e.cells["m"] or 0)) for e in free.events))
         names = constants_of(model.loaded)
         found = [
-            conform(model.network, model.loaded.recording, recording, names, Fraction(2), Fraction(3)).accepted
+            conform(
+                model.network,
+                model.loaded.recording,
+                recording,
+                names,
+                TimestampUncertainty.of(Fraction(2), Fraction(3)),
+            ).accepted
             for recording in (free, seen)
         ]
         assert found == expected, f"case {case}"

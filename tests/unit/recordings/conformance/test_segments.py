@@ -15,6 +15,7 @@ import tachk
 from tachk.engine.compiler.lower import lower
 from tachk.engine.compiler.program import Program
 from tachk.engine.exact.exact_run import exact_run
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance import conform as conformance
 from tachk.recordings.conformance import segments
 from tachk.recordings.conformance.conform import Conformance, ConformingRun, conform
@@ -35,9 +36,12 @@ CAPTURES = ROOT / "tests/data/captures/later"
 
 
 def held(model: tachk.Model, recording: EventLog, tolerance: int, late: int) -> Conformance:
+    return held_within(model, recording, TimestampUncertainty.of(Fraction(tolerance), Fraction(late)))
+
+
+def held_within(model: tachk.Model, recording: EventLog, exact: TimestampUncertainty) -> Conformance:
     assert model.loaded.recording is not None
-    exact = Fraction(tolerance), Fraction(late)
-    return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), *exact, explain=False)
+    return conform(model.network, model.loaded.recording, recording, constants_of(model.loaded), exact, explain=False)
 
 
 def in_segments(monkeypatch: pytest.MonkeyPatch, events: int, ahead: int) -> None:
@@ -55,14 +59,15 @@ def test_segments_agree_with_the_whole(seed: int, tmp_path: Path, monkeypatch: p
     for case in range(8):
         machines = tuple(random_machine(random) for _ in range(random.randint(1, 2)))
         events, end = random_run(random, machines, 40, hidden)
-        tolerance, late = random.randrange(2), random.randrange(3)
+        tolerance, late = random.randrange(2), (random.randrange(3), random.randrange(3))
         if case % 4 == 3:
             events = mutated(random, events, end)
         file.write_text(csv_of(events, end), encoding="utf-8")
         model = tachk.loads(text_of(machines, hidden))
         with monkeypatch.context() as patch:
             in_segments(patch, random.randint(1, 8), random.randint(0, 4))
-            found = held(model, read_events(file), tolerance, late)
+            exact = TimestampUncertainty(Fraction(tolerance), *map(Fraction, late))
+            found = held_within(model, read_events(file), exact)
         assert found.accepted is is_run(machines, events, end, tolerance, late, hidden), f"case {case}"
         if found.accepted and len(events) > 1:
             runs += 1
@@ -95,7 +100,7 @@ def test_captures_in_segments(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
     with monkeypatch.context() as patch:
         in_segments(patch, 40, 40)
         patch.setattr(segments, "_count", noted)
-        found = held(model, recording, 5, int(whole.late))
+        found = held(model, recording, 5, int(whole.uncertainty.output_late))
     assert found.accepted
     assert found.streams.other == whole.streams.other
     assert all(isinstance(run, ConformingRun) for run in whole.runs)

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import tachk
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
@@ -47,8 +48,7 @@ def accepted(recording: EventLog, exact: int = 2, late: int = 2, **settings: int
         model.loaded.recording,
         recording,
         constants_of(model.loaded),
-        Fraction(exact),
-        Fraction(late),
+        TimestampUncertainty.of(Fraction(exact), Fraction(late)),
         limits=tachk.Limits(states=60_000),
         run=False,
         explain=False,
@@ -186,8 +186,8 @@ def test_the_smallest_edit_undoes_a_change(
     assert mapping is not None
 
     def conforms_within(recording: EventLog, explain: bool) -> Conformance:
-        two_ms = Fraction(2), Fraction(2)
-        return conform(model.network, mapping, recording, names, *two_ms, limits=limits(), run=False, explain=explain)
+        two_ms = TimestampUncertainty.of(Fraction(2), Fraction(2))
+        return conform(model.network, mapping, recording, names, two_ms, limits=limits(), run=False, explain=explain)
 
     found = conforms_within(changed, True)
     assert found.refusal is not None and found.refusal.event is not None

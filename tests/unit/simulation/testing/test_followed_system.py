@@ -11,6 +11,7 @@ import pytest
 
 import tachk
 from tachk.engine.options import Limits
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.events import RecordedEvent
 from tachk.simulation.testing.followed_system import FollowedSystem
@@ -43,13 +44,11 @@ system """
     )
 
 
-def followed(model: tachk.Model, tolerance: int, late: int) -> FollowedSystem:
+def followed(model: tachk.Model, uncertainty: TimestampUncertainty) -> FollowedSystem:
     assert model.loaded.recording is not None
     mapping = model.loaded.recording
     observed = instrumented_network(model.network, mapping)
-    return FollowedSystem(
-        observed, mapping, constants_of(model.loaded), Fraction(tolerance), Fraction(late), Limits(states=100_000)
-    )
+    return FollowedSystem(observed, mapping, constants_of(model.loaded), uncertainty, Limits(states=100_000))
 
 
 def recorded(event: Event) -> RecordedEvent:
@@ -79,13 +78,13 @@ def test_following_agrees_with_a_second_definition(seed: int) -> None:
     model = tachk.loads(with_anyone(text_of(machines, hidden=False), len(machines)))
     for case in range(12):
         events, end = random_run(random, machines, 14, hidden=False)
-        tolerance, late = random.randrange(3), random.randrange(3)
+        tolerance, late = random.randrange(3), (random.randrange(4), random.randrange(4))
         if case % 4:
             events = mutated(random, events, end)
         if not any(edge.label == "out" for machine in machines for edge in machine.edges):
             continue  # then outputs come from outside, where nobody sends them
         expected = is_run(machines, events, end, tolerance, late, hidden=False)
-        system = followed(model, tolerance, late)
+        system = followed(model, TimestampUncertainty(Fraction(tolerance), *map(Fraction, late)))
         assert goes_along(random, system, events, end) is expected, f"seed {seed}, case {case}"
 
 
@@ -101,14 +100,14 @@ def test_events_that_may_have_happened(seed: int) -> None:
         events, end = random_run(random, machines, 8, hidden=False)
         if case % 2:
             events = mutated(random, events, end)
-        tolerance, late = random.randrange(2), random.randrange(2)
+        tolerance, late = random.randrange(2), (random.randrange(3), random.randrange(3))
         uncertain = random.sample(range(len(events)), min(len(events), 4))
         expected = any(
             is_run(machines, [e for n, e in enumerate(events) if n not in left_out], end, tolerance, late, hidden=False)
             for size in range(len(uncertain) + 1)
             for left_out in combinations(uncertain, size)
         )
-        system = followed(model, tolerance, late)
+        system = followed(model, TimestampUncertainty(Fraction(tolerance), *map(Fraction, late)))
         for number, event in enumerate(events):
             system.observe(replace(recorded(event), optional=number in uncertain))
             system.advance(Fraction(event.time))
@@ -126,7 +125,7 @@ def test_events_are_allowed_exactly_in_their_windows(seed: int) -> None:
     model = tachk.loads(with_anyone(text_of(machines, hidden=False), 1))
     for _ in range(6):
         events, end = random_run(random, machines, random.randint(2, 8), hidden=False)
-        system = followed(model, 0, 0)
+        system = followed(model, TimestampUncertainty.of(Fraction(0), Fraction(0)))
         for event in events:
             system.observe(recorded(event))
         system.advance(Fraction(end))

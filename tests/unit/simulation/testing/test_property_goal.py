@@ -11,6 +11,7 @@ import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, ConformingRun, conform
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.simulation.testing.modelled_system import ModelledSystem
@@ -114,13 +115,14 @@ def test_what_the_run_of_a_recording_reaches_is_reached() -> None:
         tested = TestedModel.of(model.network, mapping, constants, goal.query)
         for case in range(3):
             late = Fraction(random.randrange(3))
-            settings = TestSettings(Fraction(20), case, Fraction(0), late, limits=LIMITS, goal=goal)
+            exact = TimestampUncertainty.of(Fraction(0), late)
+            settings = TestSettings(Fraction(20), case, exact, limits=LIMITS, goal=goal)
             system = ModelledSystem(model.network, mapping, constants, case, Policy.BOUNDARY)
             run = follow(tested, system, settings, tested.inputs(settings))
             result = confirmed(tested, run)
             assert result.verdict is not TestVerdict.FAIL, (seed, case)
             if result.verdict is TestVerdict.PASS:
-                found = conform(model.network, mapping, run.recording, constants, Fraction(0), late)
+                found = conform(model.network, mapping, run.recording, constants, exact)
                 if enters(model, found, target, run.recording.end - late - 1):
                     entered += 1
                     assert result.reached is not None, (seed, case)

@@ -17,6 +17,7 @@ from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
 from tachk.model.recording import RecordingMap
+from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
 from tachk.recordings.conformance.events import RecordedEvent
@@ -146,11 +147,11 @@ def test_models_pass_their_own_tests(seed: int) -> None:
     assert mapping is not None
     prepared = TestedModel.of(model.network, mapping, constants)
     for case in range(4):
-        tolerance, late = Fraction(random.randrange(3)), Fraction(random.randrange(3))
+        exact = TimestampUncertainty(*(Fraction(random.randrange(3)) for _ in range(3)))
         policy = random.choice((Policy.STOCHASTIC, Policy.UNIFORM, Policy.BOUNDARY))
         system = ModelledSystem(model.network, mapping, constants, case, policy)
         goal = random.choice(list(TestGoal))
-        settings = TestSettings(Fraction(15), case, tolerance, late, limits=Limits(states=5_000), goal=goal)
+        settings = TestSettings(Fraction(15), case, exact, limits=Limits(states=5_000), goal=goal)
         result = confirmed(prepared, follow(prepared, system, settings, prepared.inputs(settings)))
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
 
@@ -311,7 +312,7 @@ recording {{ replaces Anyone; visible hear as in(); visible say as out(); }}
         1,
         Policy.UNIFORM,
     )
-    settings = TestSettings(Fraction(8), 1, Fraction(0), Fraction(0))
+    settings = TestSettings(Fraction(8), 1, TimestampUncertainty.of(Fraction(0), Fraction(0)))
     inputs = ScriptedInputs([RecordedEvent(Fraction(4), "in", {}, "an input")])
     result = confirmed(tested, follow(tested, running, settings, inputs))
     assert result.verdict is (TestVerdict.FAIL if faulty else TestVerdict.INCONCLUSIVE)
