@@ -28,6 +28,8 @@ from tachk.verify.covering.suite import CoveringSuite, covering_suite
 
 _STATES, _STATES_OF_COVER = 20_000, 50_000
 """So many states a search of a test, and the search for runs that take all edges, store at most."""
+_SECONDS_OF_COVER = 10.0
+"""That search gives what it has found by then."""
 
 
 def run_mutant_tests(
@@ -48,7 +50,8 @@ def run_mutant_tests(
     tested = TestedModel.of(network, mapping, constants_of(model.loaded))
     uncertainty = mapping.allowances.uncertainty()
     with limited(seconds):
-        edges = covering_suite(network, Coverage.EDGES, limits=Limits(states=states or _STATES_OF_COVER))
+        limits_of_cover = Limits(states=states or _STATES_OF_COVER, seconds=_SECONDS_OF_COVER)
+        edges = covering_suite(network, Coverage.EDGES, limits=limits_of_cover)
         mutants = tuple(system_mutants(network, mapping, ceil(uncertainty.width) + 1))
         limits = Limits(states=states or _STATES)
         never = {place for place, _ in edges.impossible}

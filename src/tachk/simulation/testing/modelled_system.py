@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
 
 from tachk import _core
@@ -111,8 +112,9 @@ class ModelledSystem:
         self._run: _core.UnitRun | None = None
 
     def start(self) -> None:
-        self._run = begin_run(self._unit, self._seed, self._policy)
-        self._react()
+        with _ended_by_faults():
+            self._run = begin_run(self._unit, self._seed, self._policy)
+            self._react()
 
     def time(self) -> Fraction:
         return Fraction(self._under_way.now, TICKS_PER_UNIT)
@@ -134,12 +136,17 @@ class ModelledSystem:
             self._under_way.set_number(place, FmiType.INTEGER, contents[column] or 0)
         self._under_way.set_ticks(edge.place)
         try:
-            self._react()
+            with _ended_by_faults():
+                self._react()
         except ValueError:
             raise SystemEndedError(f"the model that stands for the system cannot receive `{name}` now") from None
         return time
 
     def next_output(self, until: Fraction) -> SeenOutput | None:
+        with _ended_by_faults():
+            return self._next_output(until)
+
+    def _next_output(self, until: Fraction) -> SeenOutput | None:
         run, last = self._under_way, int(until * TICKS_PER_UNIT)
         while not self._seen:
             if run.over:
@@ -182,6 +189,15 @@ class ModelledSystem:
 
     def abandon(self) -> None:
         self.close()
+
+
+@contextmanager
+def _ended_by_faults() -> Iterator[None]:
+    """A run-time error in the model, of which the core says no more, ends the system."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise SystemEndedError(f"the model that stands for the system ends: {error}") from None
 
 
 def _case_of(visible: VisibleEvents, contents: Mapping[str, int | None]) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from fractions import Fraction
 
 from tachk.base.diagnostics.diagnostic import UnsupportedError, UsageError
-from tachk.base.job import StoppedError, check_job
+from tachk.base.job import StoppedError, check_job, unhurried
 from tachk.base.records import dataclass, replace
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
@@ -112,9 +112,11 @@ def mutant_suite(
             survived += [number] if found is None else []
             killed |= {} if found is None else {number: found}
         tried = number + 1
+    with unhurried():
+        found_scripts = tuple(search.suite(killed))
     return MutantSuite(
         tuple(mutants),
-        tuple(search.suite(killed)),
+        found_scripts,
         equivalent,
         tuple(survived),
         tuple(unusable),

@@ -156,6 +156,14 @@ def test_models_pass_their_own_tests(seed: int) -> None:
         assert result.verdict is not TestVerdict.FAIL, f"seed {seed}, case {case}"
 
 
+def test_a_run_time_error_ends_the_model_that_stands_for_the_system() -> None:
+    counting = LAMP.replace("clock x;", "clock x; int[0, 2] n = 0;").replace(
+        "assign x = 0;", "assign x = 0, n = n + 1;"
+    )
+    result = outcome_of(tachk.loads(counting), LAMP)
+    assert result.verdict is TestVerdict.INCONCLUSIVE and "run-time error" in result.reason
+
+
 def test_failures_are_shortened() -> None:
     """A lamp that answers too late does so from the first press on; one press is enough to show it."""
     request = TestRequest(f"driven:{program(DRIVEN, 7.5)}", "200ms", seed=3, shorten=30)
