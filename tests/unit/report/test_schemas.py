@@ -106,6 +106,7 @@ COMMANDS = (
     ("measure", f"xrce measure {shlex.quote(str(CAPTURE))} --port 19701 --format json"),
     ("test", "test ring.ta --simulate ring.ta --for 30 --format json"),
     ("tests", "tests bell.ta -o suite --format json"),
+    ("mutant_tests", "tests ring.ta --cover mutants -o suite --format json"),
     ("conform", "conform bell.ta calls.csv early.csv --coverage --format json"),
     ("network", "convert lamp.ta --format json"),
 )

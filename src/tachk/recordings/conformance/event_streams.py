@@ -130,7 +130,7 @@ def make_streams(
                 tuple(clock.floors(times, Fraction(0))),
                 tuple(_sent(place, event.after) + passed.get(number, ()) for (number, _), event in pairs),
                 tuple(event.optional for event in events),
-                max(floor((end - origin) * scale - uncertainty.output_late), 0),
+                max(floor((end - origin) * scale - uncertainty.earliest), 0),
                 outputs and closing is not None and closing.by_sender,
             )
         )

@@ -140,7 +140,7 @@ class FollowedSystem:
     def ends_as_modelled(self, time: Fraction) -> bool:
         """True if what was seen up to the end of the recording is a run of the model; what happened less than the
         lateness of outputs before may not have been recorded. Raises EstimateLimitError."""
-        self._move_to(max(floor(time - self._uncertainty.output_late), 0))
+        self._move_to(max(floor(time - self._uncertainty.earliest), 0))
         return self.is_as_modelled and self._estimate.can_conclude()
 
     def _move_to(self, moment: int) -> None:
