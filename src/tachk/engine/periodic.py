@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from tachk.engine.exact.schedule import SchedulePhase, ScheduleRequirement, formula_of, standstills
+from tachk.engine.solver_context import release_from_any_thread
 from tachk.meaning.repetition import ObservableClocks
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ def _solve(
 ) -> list[Fraction] | None:
     import z3
 
+    release_from_any_thread()
     unit = 2 if whole else 1
     make = z3.Int if whole else z3.Real
     moments: list[z3.ArithRef] = [make(f"t{k}") for k in range(len(phases) + 1)]

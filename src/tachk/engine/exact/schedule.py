@@ -20,6 +20,7 @@ from typing import Any
 
 from tachk.base.optional_packages import optional_packages
 from tachk.base.records import dataclass, field
+from tachk.engine.solver_context import release_from_any_thread
 from tachk.meaning.dbm import INFINITY, LESS_EQUAL_ZERO, Constraint, bound_value, is_strict
 
 INFINITESIMAL_BITS = 40
@@ -273,6 +274,7 @@ def _linear_problem(
     with optional_packages():
         import z3
 
+    release_from_any_thread()
     durations = [z3.Real(f"d{k}") for k in range(len(phases))]
 
     def clock(number: int, phase: int, at_end: bool) -> z3.ArithRef:

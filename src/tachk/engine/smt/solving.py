@@ -11,6 +11,7 @@ import z3
 from tachk.base.records import dataclass
 from tachk.engine.outcome import TIME_LIMIT
 from tachk.engine.smt.terms import Formula
+from tachk.engine.solver_context import release_from_any_thread
 
 _POLL_SECONDS = 0.1
 """Seconds between two looks at the keyboard while z3 works."""
@@ -42,6 +43,7 @@ class SolverOptions:
 
     def solver(self) -> z3.Solver:
         """A new solver. All share one context, so that queries come one after the other."""
+        release_from_any_thread()
         made = z3.Solver()
         made.set("ctrl_c", False)  # Python handles Ctrl-C, not z3
         return made
