@@ -24,3 +24,4 @@ def write_run_chart(output: Path, record: RunRecord) -> None:
     run: dict[str, Any] = run_to_json(record)
     result = next(each for each in run["results"] if each["name"] == chosen.query.name)
     write_chart(chart_of_run(steps_of_result(run, result)).used(), output, TimeAxis.COMPRESSED)
+    print(f"written: {output}", file=sys.stderr)

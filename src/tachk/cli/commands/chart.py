@@ -98,6 +98,7 @@ def run_chart(arguments: ChartArguments) -> ExitStatus:
     part = chart.part(_time(arguments.begin, chart.unit), _time(arguments.end, chart.unit))
     axis = TimeAxis(arguments.axis)
     write_chart(part.used() if axis is TimeAxis.SCALE else shown_once(part.used()), arguments.output, axis)
+    print(f"written: {arguments.output}")
     return ExitStatus.AS_EXPECTED
 
 
@@ -161,7 +162,6 @@ def write_chart(chart: Chart, output: Path, axis: TimeAxis) -> None:
         write_whole(output, to_png(picture.svg))
     else:
         write_whole(output, picture.svg)
-    print(f"written: {output}")
 
 
 def _time(text: str | None, unit: str) -> Fraction | None:

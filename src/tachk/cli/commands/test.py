@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from tachk.api.model import Model
     from tachk.frontend.loaded import LoadedModel
     from tachk.simulation.testing.property_goal import PropertyGoal
+    from tachk.simulation.testing.tester import TestResult
 
 
 @click.command(name="test")
@@ -95,6 +96,13 @@ if TYPE_CHECKING:
     help="If the test fails, look for so long for fewer inputs with which it fails, too: each try starts the system "
     "again. The report and --record are those of the shortest test.",
 )
+@click.option(
+    "--chart",
+    metavar="FILE",
+    type=options.written_file,
+    help="Draw the last events of the test as a sequence chart into this .svg or .png file; of a test that failed with "
+    "what the model allowed at its end.",
+)
 @click.option("--junit", metavar="FILE", type=options.written_file, help="Also write the verdict as JUnit XML, for CI.")
 @options.max_states()
 @options.max_seconds()
@@ -128,6 +136,7 @@ class TestArguments:
     tolerance: str | None = None
     late: tuple[str, ...] = ()
     record: Path | None = None
+    chart: Path | None = None
     junit: Path | None = None
     shorten: float | None = None
     inputs: Path | None = None
@@ -140,10 +149,9 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions, parse_lateness
     from tachk.recordings.conformance.conform_file import read_recording
-    from tachk.recordings.conformance.event_tables import event_rows
     from tachk.recordings.conformance.question import Question
-    from tachk.report.conformance.tested import test_to_json, test_to_junit, test_to_text
-    from tachk.simulation.testing.tested_model import TestRequest, nanoseconds_of, run_test_of_model
+    from tachk.report.conformance.tested import test_to_json, test_to_text
+    from tachk.simulation.testing.tested_model import TestRequest, run_test_of_model
     from tachk.simulation.testing.tester import TestVerdict
 
     if arguments.inputs is not None and arguments.goal != TestGoal.RANDOM.value:
@@ -164,11 +172,8 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
             None if arguments.inputs is None else read_recording(arguments.inputs, Question(), model.loaded),
         )
         result, shortening = run_test_of_model(model.loaded, model.path, request, limits)
-    unit, name = model.network.time_unit, arguments.adapter or f"simulate:{arguments.simulate}"
-    if arguments.record is not None:
-        arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")
-    if arguments.junit is not None:
-        arguments.junit.write_text(test_to_junit(result, arguments.model, name, unit), encoding="utf-8")
+    _write_files(arguments, model, result)
+    unit = model.network.time_unit
     with destination(reporting.output, reporting.quiet) as out:
         if out is not None:
             match reporting.form:
@@ -184,6 +189,26 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
         TestVerdict.FAIL: ExitStatus.NOT_AS_EXPECTED,
         TestVerdict.INCONCLUSIVE: ExitStatus.UNKNOWN,
     }[result.verdict]
+
+
+def _write_files(arguments: TestArguments, model: Model, result: TestResult) -> None:
+    """The recording, the report for CI and the chart, as far as they are wanted."""
+    from tachk.cli.commands.chart import write_chart
+    from tachk.recordings.conformance.event_tables import event_rows
+    from tachk.report.conformance.test_chart import chart_of_test
+    from tachk.report.conformance.tested import test_to_junit
+    from tachk.report.drawing.sequence.layout import TimeAxis
+    from tachk.simulation.testing.tested_model import input_names, nanoseconds_of, replacing_map
+
+    unit = model.network.time_unit
+    if arguments.record is not None:
+        arguments.record.write_text("".join(event_rows(result.recording, nanoseconds_of(unit))), encoding="utf-8")
+    if arguments.junit is not None:
+        name = arguments.adapter or f"simulate:{arguments.simulate}"
+        arguments.junit.write_text(test_to_junit(result, arguments.model, name, unit), encoding="utf-8")
+    if arguments.chart is not None:
+        names = input_names(model.network, replacing_map(model.loaded, model.path))
+        write_chart(chart_of_test(result, names, arguments.model, unit), arguments.chart, TimeAxis.COMPRESSED)
 
 
 def _goal(name: str, model: Model, limits: Limits) -> TestGoal | PropertyGoal:

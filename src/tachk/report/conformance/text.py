@@ -131,9 +131,9 @@ def rejection_lines(found: Conformance) -> Iterator[str]:
     yield f"the longest run goes along with {grouped(happened)} of them"
     if rejection.event is None:
         yield "after the last event the model does something that was not recorded"
-        return
-    event = found.recording.events[rejection.event]
-    yield f"it leaves the model at {event.place}, at {recorded_time(found, event.time)}: {event_text(event)}"
+    else:
+        event = found.recording.events[rejection.event]
+        yield f"it leaves the model at {event.place}, at {recorded_time(found, event.time)}: {event_text(event)}"
     if rejection.state:
         yield f"  there the model is in {rejection.state}"
     for enabled_event in rejection.enabled_events:
