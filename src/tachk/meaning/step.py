@@ -62,23 +62,28 @@ def initial_state(model: PreparedNetwork) -> TimedState:
 
 def satisfies_invariants(model: PreparedNetwork, state: TimedState) -> bool:
     """True if all invariants hold; none is evaluated after a false one. Raises EvaluationFault."""
-    return all(satisfies_invariant(model, state, process) for process in _relevant_invariants(model, state.discrete))
+    requirements, wrong = _relevant_invariants(model, state.discrete)
+    if not all(_holds_at(model, state, requirement) for requirement in requirements):
+        return False
+    return wrong is None or satisfies_invariant(model, state, wrong)
 
 
 @by_state
-def _relevant_invariants(model: PreparedNetwork, discrete: DiscreteState) -> tuple[int, ...]:
-    """The processes whose invariants are not true whatever the clocks, up to one that is false or goes wrong."""
-    found: list[int] = []
+def _relevant_invariants(
+    model: PreparedNetwork, discrete: DiscreteState
+) -> tuple[tuple[_StepRequirement, ...], int | None]:
+    """The invariants that are not true whatever the clocks, up to one that is false or goes wrong, and that process."""
+    found: list[_StepRequirement] = []
     for process in range(len(discrete.locations)):
         try:
             requirement = _invariant_requirement(model, discrete, process)
         except EvaluationFault:
-            return (*found, process)
+            return tuple(found), process
         if not requirement.constraints:
-            return (*found, process)
+            return tuple(found), process
         if requirement.of_clocks:
-            found.append(process)
-    return tuple(found)
+            found.append(requirement)
+    return tuple(found), None
 
 
 def satisfies_invariant(model: PreparedNetwork, state: TimedState, process: int) -> bool:
@@ -408,8 +413,15 @@ def _either(left: Expression, left_negated: bool, right: Expression, right_negat
 
 def _later(model: PreparedNetwork, state: TimedState, duration: Fraction) -> TimedState:
     stopped = stopped_clocks(model, state.discrete)
-    clocks = tuple(v if n in stopped else v + duration for n, v in enumerate(state.clocks, start=1))
-    return replace(state, clocks=clocks, time=state.time + duration)
+    clocks = tuple(v if n in stopped else _sum(v, duration) for n, v in enumerate(state.clocks, start=1))
+    return replace(state, clocks=clocks, time=_sum(state.time, duration))
+
+
+def _sum(one: Fraction, other: Fraction) -> Fraction:
+    """The sum, which is found faster where both are whole, as most times are."""
+    if one.denominator == 1 == other.denominator:
+        return Fraction(one.numerator + other.numerator)
+    return one + other
 
 
 def relevant_moments(
