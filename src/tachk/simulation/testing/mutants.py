@@ -45,7 +45,7 @@ class SystemMutant:
     process: the number of the process that is changed.
     edge, location: the number of what is changed in it; one of them is None.
     detail: which bound or target, in words; empty if there is only one.
-    by_taking: the change shows only where the edge would be taken.
+    by_taking: where no run of the model takes the edge, the mutant does what the model does.
     """
 
     operator: MutationOperator
@@ -70,19 +70,32 @@ def system_mutants(network: Network, mapping: RecordingMap, shift: int) -> Itera
         for place, edge in enumerate(process.edges):
             for operator, detail, changed in _of_edge(process, edge, shift):
                 whole = _with_edge(network, number, place, changed)
-                yield SystemMutant(operator, number, place, None, detail, changed.guard is edge.guard, whole)
+                by_taking = operator is MutationOperator.OTHER_TARGET and not _has_limited_target(process, edge)
+                yield SystemMutant(operator, number, place, None, detail, by_taking, whole)
             sync = edge.synchronisation
             if sync is not None and sync.direction is Direction.SEND and channel_variable(sync.channel) in visible:
                 silent = _with_edge(network, number, place, replace(edge, synchronisation=None))
                 yield SystemMutant(MutationOperator.SILENT, number, place, None, "", False, silent)
             rest = _without_edge(process, place)
-            missing, by_taking = _with_process(network, number, rest), rest.locations is process.locations
+            missing = _with_process(network, number, rest)
+            by_taking = rest.locations is process.locations and not _hinders_others(process, edge)
             yield SystemMutant(MutationOperator.NO_EDGE, number, place, None, "", by_taking, missing)
         for place, location in enumerate(process.locations):
             for operator, detail, limited in _of_location(location, shift):
                 limited_process = replace(process, locations=_with(process.locations, place, limited))
                 whole = _with_process(network, number, limited_process)
                 yield SystemMutant(operator, number, None, place, detail, False, whole)
+
+
+def _has_limited_target(process: Process, edge: Edge) -> bool:
+    """True if an invariant may keep the edge from being taken, so that it can be with another target."""
+    return process.locations[edge.target].invariant is not None
+
+
+def _hinders_others(process: Process, edge: Edge) -> bool:
+    """True if the edge may stop a broadcast, or the time, though it is not taken: its guard holds, and what is behind
+    it is refused, by an invariant of its target or of a process that its updates concern."""
+    return edge.synchronisation is not None and (bool(edge.updates) or _has_limited_target(process, edge))
 
 
 def _of_edge(process: Process, edge: Edge, shift: int) -> Iterator[tuple[MutationOperator, str, Edge]]:
