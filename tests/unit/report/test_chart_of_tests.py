@@ -43,6 +43,18 @@ def test_what_is_allowed_stands_at_the_end() -> None:
     assert early[:3] == ["not allowed: light()", "in Lamp.Waking", "allowed: light()"]
 
 
+def test_what_is_allowed_has_the_times_of_the_column() -> None:
+    """A unit of the model is not one of the chart."""
+    coarse = [text.replace("1 ms", "10 ms") for text in (LAMP, EARLY)]
+    lamp = tachk.loads(coarse[0]).loaded
+    result, _ = run_test_of_model(lamp, "lamp", TestRequest(tachk.loads(coarse[1]).loaded, "1s"), Limits(states=10_000))
+    found = result.conformance
+    assert found is not None and found.refusal is not None and found.time_unit == "10 ms"
+    allowed = found.refusal.enabled_events[0]
+    window = f"from {allowed.earliest * 10} ms to {allowed.latest * 10} ms"
+    assert notes(chart_of_test(result, {"press"}, "lamp", "10 ms"))[3] == window
+
+
 def test_the_end_of_a_long_test_is_drawn() -> None:
     drawn = chart(LAMP, seed=1)
     assert len(drawn.messages) < 200 and "without" not in drawn.description
@@ -53,6 +65,15 @@ def test_the_end_of_a_long_test_is_drawn() -> None:
     assert len([event for event in long.events if isinstance(event, Message)]) == 200
     assert long.messages[-1].sent.time == 2 * result.recording.events[-1].time and long.unit == "ms"
     assert f"without the first {len(result.recording.events) - 200} events" in long.description
+
+
+def test_a_chart_that_cannot_be_written_is_an_error_before_the_test(tmp_path: Path) -> None:
+    (tmp_path / "lamp.ta").write_text(LAMP, encoding="utf-8")
+    files = [str(tmp_path / name) for name in ("lamp.ta", "lamp.ta", "chart.txt", "events.jsonl")]
+    given = ["test", files[0], "--simulate", files[1], "--for", "100ms", "--chart", files[2], "--record", files[3]]
+    outcome = CliRunner().invoke(app, given)
+    assert outcome.exit_code == 2 and ".svg or .png" in outcome.output
+    assert not Path(files[3]).exists()
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png"])

@@ -143,13 +143,18 @@ def _report(arguments: ChartArguments) -> RunSteps:
     return steps_of_report(document, str(arguments.file), arguments.name)
 
 
+def check_chart_file(output: Path) -> None:
+    """Raises UsageError where a chart cannot be written to a file of this name."""
+    if output.suffix.lower() not in (".svg", ".png"):
+        raise UsageError(f"{output}: charts are written as .svg or .png", "the ending of the name decides")
+
+
 def write_chart(chart: Chart, output: Path, axis: TimeAxis) -> None:
     """Writes the picture; the ending of the name says in which format. Raises UsageError."""
     from tachk.report.drawing.sequence.layout import lay_out
     from tachk.report.drawing.sequence.sequence_svg import draw_chart
 
-    if output.suffix.lower() not in (".svg", ".png"):
-        raise UsageError(f"{output}: charts are written as .svg or .png", "the ending of the name decides")
+    check_chart_file(output)
     if not chart.events:
         raise UsageError("there is nothing to draw: no message is sent", "--from and --to may leave everything out")
     if len(chart.events) > MOST_EVENTS:

@@ -148,6 +148,7 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
     """Tests a system, and reports."""
     from tachk.api import model as api
     from tachk.cli.arguments import parse_definitions, parse_lateness
+    from tachk.cli.commands.chart import check_chart_file
     from tachk.recordings.conformance.conform_file import read_recording
     from tachk.recordings.conformance.question import Question
     from tachk.report.conformance.tested import test_to_json, test_to_text
@@ -156,6 +157,8 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
 
     if arguments.inputs is not None and arguments.goal != TestGoal.RANDOM.value:
         raise UsageError("the inputs of a recording have no other goal", "leave out --goal or --inputs")
+    if arguments.chart is not None:
+        check_chart_file(arguments.chart)
     model = api.load(arguments.model, **parse_definitions(arguments.definitions))
     print_diagnostics((*model.refusals, *model.warnings))
     system, limits = _system_under_test(arguments), Limits(states=arguments.states)
