@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from fractions import Fraction
 
-from tachk.report.conformance.text import enabled_event_text, event_text, moment
+from tachk.report.conformance.text import enabled_event_text, event_text, units_text
 from tachk.report.drawing.sequence.chart import Category, Chart, Event, Message, Moment, Note
 from tachk.simulation.testing.tester import TestResult, TestVerdict
 
@@ -53,8 +53,8 @@ def _reasons(result: TestResult) -> Iterator[str]:
     if rejection.state:
         yield f"in {rejection.state}"
     for possible in rejection.enabled_events[:_ALLOWED]:
-        until = "" if possible.latest is None else f" to {moment(found, possible.latest)}"
+        until = "" if possible.latest is None else f" to {units_text(Fraction(possible.latest), found.time_unit)}"
         yield f"allowed: {enabled_event_text(found, possible)}"
-        yield f"from {moment(found, possible.earliest)}{until}"
+        yield f"from {units_text(Fraction(possible.earliest), found.time_unit)}{until}"
     if not rejection.enabled_events and rejection.enabled_complete:
         yield "allowed: nothing"
