@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import subprocess
@@ -13,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from tachk.cli.main import app
+from tachk.report.covering.replaying_file import pytest_file
 from tests.unit.simulation.testing.test_tester import DRIVEN, LAMP, program
 
 ROOT = Path(__file__).parents[3]
@@ -164,3 +166,15 @@ def test_certificate_of_an_earlier_suite_does_not_stay(tmp_path: Path) -> None:
         "cannot_be_covered.ta",
         "cannot_be_covered.cert",
     } == set()
+
+
+def test_the_pytest_file_names_any_model() -> None:
+    name = 'mö 😀 {x} "y" \\ z.ta'
+    text = pytest_file(name, ["A=1"], [name], [], [])
+    assigned = {
+        statement.targets[0].id: statement.value
+        for statement in ast.parse(text).body
+        if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name)
+    }
+    assert ast.literal_eval(assigned["RUNS"]) == [name]
+    assert f"FOLDER / {json.dumps(name, ensure_ascii=False)}" in text
