@@ -13,6 +13,7 @@ from tachk.model.recording import RecordingMap
 from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.event_streams import Constants, EventStreamReader, with_words
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
+from tachk.simulation.testing.event_columns import is_broadcast
 from tachk.simulation.testing.instrumented_network import LONGEST, InstrumentedNetwork, ObservedStream
 
 SOURCE = "the system"
@@ -117,6 +118,11 @@ class FollowedSystem:
         """Whether it is an event that the environment sends. Raises UsageError as `observe`."""
         placed = self._reader.place(event)
         return placed is not None and self._observed.streams[self._streams[placed[0], placed[1]]].is_input
+
+    def is_always_received(self, event: RecordedEvent) -> bool:
+        """Whether an input needs no receiver: its channel is a broadcast one."""
+        placed = self._reader.place(event)
+        return placed is not None and is_broadcast(self._observed.streams[self._streams[placed[0], placed[1]]].visible)
 
     def observe(self, event: RecordedEvent) -> bool:
         """Adds an event that was seen, or may have happened, an input or an output; False if it is of no visible kind.

@@ -117,18 +117,32 @@ class GuidedInputs:
                 self._left = _PURSUIT
 
 
+class NotReceivedError(Exception):
+    """The system may not be ready for an input that a script sends now."""
+
+
 class ScriptedInputs:
     """The inputs of another test, at the same times."""
 
-    def __init__(self, inputs: Sequence[RecordedEvent]) -> None:
+    def __init__(self, inputs: Sequence[RecordedEvent], uncertainty: TimestampUncertainty) -> None:
         self._inputs = inputs
+        self._uncertainty = uncertainty
         self._sent = 0
 
     def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
+        """Raises NotReceivedError where the next input may find no receiver: what follows would say nothing."""
         if self._sent == len(self._inputs):
             return None
         event = self._inputs[self._sent]
-        return PlannedInput(event.name, event.cells, max(event.time, now))
+        moment = max(event.time, now)
+        known = Fraction(allowed.silent_until)
+        if moment > (known if allowed.bounded else known - self._uncertainty.largest - 1):
+            return None  # what may be blocked by then is not known yet
+        if not system.is_always_received(event):
+            events = (each for each in allowed.events if (each.name, each.cells) == (event.name, dict(event.cells)))
+            if not any(any(_moments(each, moment, moment, self._uncertainty)) for each in events):
+                raise NotReceivedError(f"the system may not be ready for `{event.name}` when the test has to send it")
+        return PlannedInput(event.name, event.cells, moment)
 
     def is_sent(self) -> None:
         self._sent += 1

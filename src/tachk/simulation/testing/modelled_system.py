@@ -127,7 +127,8 @@ class ModelledSystem:
     def send(self, name: str, cells: Mapping[str, Cell]) -> Fraction:
         time = self.time()
         placed = self._reader.place(RecordedEvent(time, name, cells, "an input"))
-        assert placed is not None
+        if placed is None:
+            raise SystemEndedError(f"the model that stands for the system has no input `{name}`")
         clause, _, values = placed
         visible = self._mapping.visible[clause]
         contents = {column: value for (column, _), value in zip(visible.columns, values, strict=True)}

@@ -139,7 +139,7 @@ class _MutantSearch:
         UnsupportedError where it cannot stand for a system, StoppedError."""
         for number, script in enumerate(self.scripts):
             for policy in _POLICIES:
-                if self._fails(mutant, ScriptedInputs(script), self._as_long_as(script), policy) is not None:
+                if self._fails(mutant, self._inputs(script), self._as_long_as(script), policy) is not None:
                     return number
         for seed in range(TESTS):
             goal = (TestGoal.RANDOM, TestGoal.EDGES)[seed % 2]
@@ -149,6 +149,9 @@ class _MutantSearch:
                 self.scripts.append(inputs)
                 return len(self.scripts) - 1
         return None
+
+    def _inputs(self, script: Script) -> ScriptedInputs:
+        return ScriptedInputs(script, self.settings.uncertainty)
 
     def _as_long_as(self, script: Script) -> TestSettings:
         """A test that ends a pause after the last input."""
@@ -177,5 +180,5 @@ class _MutantSearch:
     def _played(self, script: Script, mutants: tuple[int, ...]) -> SuiteScript:
         model = self.model
         system = ModelledSystem(model.network, model.mapping, model.constants, 0, Policy.BOUNDARY)
-        run = follow(model, system, self._as_long_as(script), ScriptedInputs(script))
+        run = follow(model, system, self._as_long_as(script), self._inputs(script))
         return SuiteScript(run.recording, len(run.sent), mutants)

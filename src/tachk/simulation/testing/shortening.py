@@ -95,7 +95,9 @@ class _Tries:
             self.is_over = True
             return None
         self.count += 1
-        run = follow(self._model, self._open_system(), self._settings, ScriptedInputs(inputs))
+        run = follow(
+            self._model, self._open_system(), self._settings, ScriptedInputs(inputs, self._settings.uncertainty)
+        )
         if run.reason or run.is_as_modelled:
             return None
         result = confirmed(self._model, run)

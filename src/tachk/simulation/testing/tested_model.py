@@ -14,8 +14,8 @@ from tachk.frontend.loaded import LoadedModel
 from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.conform_file import allowances_of, constants_of, duration
-from tachk.recordings.conformance.event_streams import EventStreamReader, is_output, origin_of
-from tachk.recordings.conformance.events import EventLog
+from tachk.recordings.conformance.event_streams import EventStreamReader, is_output, origin_of, with_words
+from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
 from tachk.simulation.testing.goals import TestGoal
@@ -85,7 +85,7 @@ def run_test_of_model(
     inputs = tested.inputs(settings)
     if request.inputs is not None:
         script = _script(tested, request.inputs, settings)
-        inputs = ScriptedInputs(script.events)
+        inputs = ScriptedInputs(script.events, settings.uncertainty)
         if request.duration is None:
             settings = replace(settings, duration=script.end + tested.pause(settings))
     run = follow(tested, open_system(), settings, inputs)
@@ -131,10 +131,18 @@ def _script(model: TestedModel, recording: EventLog, settings: TestSettings) -> 
             f"the inputs in the model are {', '.join(f'`{name}`' for name in sorted(names))}",
         )
     reader = EventStreamReader(model.mapping, recording, model.constants)
-    for event in inputs:
-        reader.place(event)
     end = max((recording.end - origin) * scale, inputs[-1].time) + settings.uncertainty.width + 1
-    return EventLog(recording.source, inputs, None, Fraction(0), end)
+    read = tuple(_as_read(event, reader, model.mapping) for event in inputs)
+    return EventLog(recording.source, read, None, Fraction(0), end)
+
+
+def _as_read(event: RecordedEvent, reader: EventStreamReader, mapping: RecordingMap) -> RecordedEvent:
+    """The event with its columns in the model's own values, and no other columns."""
+    placed = reader.place(event)
+    assert placed is not None
+    visible, values = mapping.visible[placed[0]], placed[2]
+    known = ((name, value) for (name, _), value in zip(visible.columns, values, strict=True) if value is not None)
+    return replace(event, cells=dict(with_words(visible, known)))
 
 
 def input_names(network: Network, mapping: RecordingMap) -> frozenset[str]:

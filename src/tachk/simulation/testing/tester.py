@@ -30,7 +30,14 @@ from tachk.recordings.conformance.event_streams import Constants
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
 from tachk.simulation.testing.goals import TestGoal
-from tachk.simulation.testing.input_choice import GuidedInputs, InputChoice, PlannedInput, RandomInputs, must_act
+from tachk.simulation.testing.input_choice import (
+    GuidedInputs,
+    InputChoice,
+    NotReceivedError,
+    PlannedInput,
+    RandomInputs,
+    must_act,
+)
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
 from tachk.simulation.testing.property_goal import InputsTowardsTarget, PropertyGoal
 from tachk.simulation.testing.run_events import events_of_run
@@ -219,6 +226,8 @@ def _is_test_to_blame(model: TestedModel, run: TestRun, found: Conformance) -> b
 
 def _unexpected(run: TestRun) -> str:
     """What the environment of the model does not do, or does not expect."""
+    if not run.recording.events:
+        return "nothing was sent or seen, and the model lets no more time pass"
     last = run.recording.events[-1]
     if any(last is each for each in run.sent):
         return f"the test sent `{last.name}` at a moment at which the environment of the model does not"
@@ -304,7 +313,7 @@ class _TestUnderWay:
                 self._wait_for_excuse()
         except EstimateLimitError as limit:
             self.reason = f"the states in which the system may be cannot be computed: {limit}"
-        except SystemEndedError as ended:
+        except (SystemEndedError, NotReceivedError) as ended:
             self.reason = str(ended)
 
     def _step(self) -> bool:

@@ -321,7 +321,7 @@ recording {{ replaces Anyone; visible hear as in(); visible say as out(); }}
         Policy.UNIFORM,
     )
     settings = TestSettings(Fraction(8), 1, TimestampUncertainty.of(Fraction(0), Fraction(0)))
-    inputs = ScriptedInputs([RecordedEvent(Fraction(4), "in", {}, "an input")])
+    inputs = ScriptedInputs([RecordedEvent(Fraction(4), "in", {}, "an input")], settings.uncertainty)
     result = confirmed(tested, follow(tested, running, settings, inputs))
     assert result.verdict is (TestVerdict.FAIL if faulty else TestVerdict.INCONCLUSIVE)
 
