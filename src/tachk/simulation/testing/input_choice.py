@@ -135,8 +135,7 @@ class ScriptedInputs:
             return None
         event = self._inputs[self._sent]
         moment = max(event.time, now)
-        known = Fraction(allowed.silent_until)
-        if moment > (known if allowed.bounded else known - self._uncertainty.largest - 1):
+        if moment > _known_until(allowed, self._uncertainty):
             return None  # what may be blocked by then is not known yet
         if not system.is_always_received(event):
             events = (each for each in allowed.events if (each.name, each.cells) == (event.name, dict(event.cells)))
@@ -156,11 +155,17 @@ def planned_towards(
     for event in allowed.events:
         if lead.is_input and (event.name, event.cells) == (lead.name, lead.cells):
             wanted = replace(event, windows=lead.windows)
-            last = Fraction(max(high for _, high in lead.windows))
+            last = min(Fraction(max(high for _, high in lead.windows)), _known_until(allowed, uncertainty))
             moments = _moments(wanted, first, last, uncertainty)
             found = [PlannedInput(event.name, event.cells, low) for low, _ in moments]
             return found[0] if found else None
     return None
+
+
+def _known_until(allowed: AllowedNext, uncertainty: TimestampUncertainty) -> Fraction:
+    """An input that is sent later may be blocked, for all that is known."""
+    end = Fraction(allowed.silent_until)
+    return end if allowed.bounded else end - uncertainty.largest - 1
 
 
 def must_act(allowed: AllowedNext) -> bool:
