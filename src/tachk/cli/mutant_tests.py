@@ -20,8 +20,7 @@ from tachk.report.covering.mutants import mutants_to_json, mutants_to_text
 from tachk.report.covering.replaying_file import pytest_file
 from tachk.simulation.testing.mutant_suite import MutantSuite, Script, mutant_suite
 from tachk.simulation.testing.mutants import system_mutants
-from tachk.simulation.testing.run_events import events_of_run
-from tachk.simulation.testing.tested_model import input_names, nanoseconds_of, replacing_map
+from tachk.simulation.testing.tested_model import nanoseconds_of, replacing_map
 from tachk.simulation.testing.tester import TestedModel
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.suite import CoveringSuite, covering_suite
@@ -66,12 +65,7 @@ def run_mutant_tests(
 
 def _scripts(model: TestedModel, suite: CoveringSuite) -> list[Script]:
     """The inputs of the runs of a suite."""
-    names = input_names(model.network, model.mapping)
-    found = []
-    for number, each in enumerate(suite.runs):
-        events = events_of_run(model.network, model.mapping, each.run, f"run {number + 1}").events
-        found.append(tuple(event for event in events if event.name in names))
-    return [script for script in found if script]
+    return [script for each in suite.runs if (script := model.inputs_of(each.run))]
 
 
 def _write(model: Model, definitions: tuple[str, ...], folder: Path, suite: MutantSuite) -> Sequence[str]:

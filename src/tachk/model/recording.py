@@ -8,6 +8,7 @@ from tachk.base.records import dataclass, field
 from tachk.base.span import NOWHERE, Span
 from tachk.base.words import Direction
 from tachk.model.expressions import Constant, Expression, Variable
+from tachk.model.network import Network
 from tachk.model.timestamp_uncertainty import Allowances
 
 
@@ -63,3 +64,7 @@ class RecordingMap:
     allowances: Allowances = Allowances()
     model: RecordedModel | None = None
     span: Span = NOWHERE
+
+    def modelled(self, network: Network) -> tuple[int, ...]:
+        """The numbers of the processes whose place the recording does not take."""
+        return tuple(number for number in range(len(network.processes)) if number not in self.replaced)

@@ -197,11 +197,12 @@ def run_test_command(arguments: TestArguments, reporting: Reporting, seconds: fl
 def _write_files(arguments: TestArguments, model: Model, result: TestResult) -> None:
     """The recording, the report for CI and the chart, as far as they are wanted."""
     from tachk.cli.commands.chart import write_chart
+    from tachk.recordings.conformance.event_streams import input_names
     from tachk.recordings.conformance.event_tables import event_rows
     from tachk.report.conformance.test_chart import chart_of_test
     from tachk.report.conformance.tested import test_to_junit
     from tachk.report.drawing.sequence.layout import TimeAxis
-    from tachk.simulation.testing.tested_model import input_names, nanoseconds_of, replacing_map
+    from tachk.simulation.testing.tested_model import nanoseconds_of, replacing_map
 
     unit = model.network.time_unit
     if arguments.record is not None:

@@ -147,11 +147,12 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
     from tachk.cli.arguments import parse_definitions
     from tachk.meaning.run_view import RunNames
     from tachk.recordings.conformance.conform_file import constants_of
+    from tachk.recordings.conformance.event_streams import input_names
     from tachk.recordings.conformance.event_tables import event_rows
     from tachk.report.covering.replaying_file import pytest_file
     from tachk.simulation.stepping.run_file import SUFFIX, run_text
     from tachk.simulation.testing.run_events import recording_of_run
-    from tachk.simulation.testing.tested_model import input_names, nanoseconds_of
+    from tachk.simulation.testing.tested_model import nanoseconds_of
 
     _make(folder)
     given = parse_definitions(arguments.definitions)

@@ -48,7 +48,7 @@ class IndependentComponent:
 
 def components_of(network: Network, mapping: RecordingMap, streams: EventStreams) -> tuple[IndependentComponent, ...]:
     """The finest division of what is left of the network in parts that share nothing but the time."""
-    modelled = [number for number in range(len(network.processes)) if number not in mapping.replaced]
+    modelled = mapping.modelled(network)
     shared = _shareable(network, [network.processes[number] for number in modelled], streams)
     groups = _Groups()
     for number in modelled:

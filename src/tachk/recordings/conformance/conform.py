@@ -230,7 +230,7 @@ def conform(
             long, statistics, runs = followed.streams, followed.statistics, followed.runs
             return Conformance(True, uncertainty, network.time_unit, recording, long, statistics, runs)
     streams = make_streams(network, mapping, recording, constants, uncertainty)
-    modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
+    modelled = mapping.modelled(network)
     whole = IndependentComponent(modelled, tuple(range(len(streams.streams))))
     components = components_of(network, mapping, streams) if divide else (whole,)
     search = _ConformanceSearch(network, mapping, streams, options, limits, explain)

@@ -21,7 +21,7 @@ from tachk.base.time_units import length_of
 from tachk.base.words import Direction
 from tachk.frontend.expressions.folded_expressions import substitute
 from tachk.model.expressions import Constant, Expression, Index, Reference, Variable
-from tachk.model.network import Network, Process
+from tachk.model.network import Network
 from tachk.model.recording import RecordingMap, VisibleEvents
 from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.model.types import ArrayType, IntType, ScalarType
@@ -103,10 +103,9 @@ def make_streams(
     """The streams of a recording. Raises UsageError for an event that says what is none of the model's, or is too late
     for its clocks."""
     origin, scale = origin_of(network, recording, uncertainty)
-    modelled = [p for number, p in enumerate(network.processes) if number not in mapping.replaced]
     reader = EventStreamReader(mapping, recording, constants)
     entries = reader.entries()
-    outgoing = [is_output(visible, modelled) for visible, _, _ in entries]
+    outgoing = [is_output(visible, network, mapping) for visible, _, _ in entries]
     place = {event: (number, position) for number, e in enumerate(entries) for position, (event, _) in enumerate(e[2])}
     passed = _passed(recording, place, outgoing)
     clock = _RecordingClock.of(recording, origin, scale, uncertainty)
@@ -288,7 +287,7 @@ def _sent(place: Mapping[int, tuple[int, int]], after: int | None) -> tuple[tupl
     return ((stream, position + 1),)
 
 
-def is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
+def is_output(visible: VisibleEvents, network: Network, mapping: RecordingMap) -> bool:
     """True if what is left of the model sends these events, and not what is outside."""
     if visible.direction is not None:
         return visible.direction is Direction.SEND
@@ -297,9 +296,14 @@ def is_output(visible: VisibleEvents, modelled: Sequence[Process]) -> bool:
         edge.synchronisation is not None
         and edge.synchronisation.direction is Direction.SEND
         and channel_variable(edge.synchronisation.channel) is variable
-        for process in modelled
-        for edge in process.edges
+        for number in mapping.modelled(network)
+        for edge in network.processes[number].edges
     )
+
+
+def input_names(network: Network, mapping: RecordingMap) -> frozenset[str]:
+    """The events that the environment sends."""
+    return frozenset(each.event for each in mapping.visible if not is_output(each, network, mapping))
 
 
 def with_words(visible: VisibleEvents, cells: Iterable[tuple[str, int]]) -> Iterator[tuple[str, Cell]]:

@@ -153,7 +153,7 @@ class SegmentSearch:
         self.origin, self.scale = origin_of(network, recording, uncertainty)
         self.recording = replace(recording, start=self.origin)
         self.delay = max(ceil(uncertainty.largest), 1)
-        self.modelled = tuple(n for n in range(len(network.processes)) if n not in mapping.replaced)
+        self.modelled = mapping.modelled(network)
         last = len(recording.events)
         self.shape = self._streams(_Segment(max(last - 1, 0), last, None))  # tells early what is too late for clocks
         whole = IndependentComponent(self.modelled, tuple(range(len(self.shape.streams))))

@@ -125,7 +125,7 @@ def instrumented_network(network: Network, mapping: RecordingMap, query: Query |
     )
     program, _ = lower(whole)
     streams, channels = _streams(network, mapping, program, noted)
-    system = [n for n in range(len(network.processes)) if n not in mapping.replaced]
+    system = mapping.modelled(network)
     edges = tuple((n, number) for n in system for number in range(len(network.processes[n].edges)))
     places = {edge: place for place, edge in enumerate(edges)}
     places |= {copy: places[copy[0], first] for copy, first in watched.copies.items() if (copy[0], first) in places}
@@ -231,12 +231,11 @@ def _streams(
 ) -> tuple[tuple[ObservedStream, ...], tuple[VisibleChannel, ...]]:
     numbers = {channel.name: number for number, channel in enumerate(program.channels)}
     slots = {slot.name: number for number, slot in enumerate(program.slots)}
-    modelled = [process for n, process in enumerate(network.processes) if n not in mapping.replaced]
     streams: list[ObservedStream] = []
     channels: list[VisibleChannel] = []
     taken: dict[str, str] = {}
     for visible, variables in zip(mapping.visible, noted, strict=True):
-        is_input = not is_output(visible, modelled)
+        is_input = not is_output(visible, network, mapping)
         places: dict[tuple[int, ...], int] = {}
         for case in index_cases(visible):
             common = {variable: case[variable] for variable in visible.per}

@@ -239,9 +239,9 @@ class _Outside:
         self.sends: list[tuple[VisibleEvents, int, dict[str, int], dict[str, Term]]] = []
         self.receives: list[tuple[tuple[int, tuple[int, ...]], int, dict[str, Term]]] = []
         self.calm: dict[Variable, Variable] = {}
-        modelled = [process for n, process in enumerate(network.processes) if n not in mapping.replaced]
+        modelled = [network.processes[number] for number in mapping.modelled(network)]
         for number, visible in enumerate(mapping.visible):
-            outgoing = is_output(visible, modelled)
+            outgoing = is_output(visible, network, mapping)
             if not outgoing and not is_broadcast(visible):
                 self.calm |= _as_broadcast(visible, modelled)
             variables = noted_variables(self.builder, number, visible)

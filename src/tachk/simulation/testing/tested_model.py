@@ -11,10 +11,9 @@ from tachk.base.time_units import length_of
 from tachk.engine.options import Limits
 from tachk.engine.simulation.policy import Policy
 from tachk.frontend.loaded import LoadedModel
-from tachk.model.network import Network
 from tachk.model.recording import RecordingMap
 from tachk.recordings.conformance.conform_file import allowances_of, constants_of, duration
-from tachk.recordings.conformance.event_streams import EventStreamReader, is_output, origin_of, with_words
+from tachk.recordings.conformance.event_streams import EventStreamReader, input_names, origin_of, with_words
 from tachk.recordings.conformance.events import EventLog, RecordedEvent
 from tachk.recordings.conformance.location_columns import with_location_variables
 from tachk.simulation.testing.adapters import open_adapter
@@ -143,12 +142,6 @@ def _as_read(event: RecordedEvent, reader: EventStreamReader, mapping: Recording
     visible, values = mapping.visible[placed[0]], placed[2]
     known = ((name, value) for (name, _), value in zip(visible.columns, values, strict=True) if value is not None)
     return replace(event, cells=dict(with_words(visible, known)))
-
-
-def input_names(network: Network, mapping: RecordingMap) -> frozenset[str]:
-    """The events that the environment sends."""
-    modelled = [process for number, process in enumerate(network.processes) if number not in mapping.replaced]
-    return frozenset(visible.event for visible in mapping.visible if not is_output(visible, modelled))
 
 
 def _pause(text: str, unit: str) -> int:

@@ -26,7 +26,7 @@ from tachk.model.recording import RecordingMap
 from tachk.model.run import TimedTrace
 from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance, conform
-from tachk.recordings.conformance.event_streams import Constants
+from tachk.recordings.conformance.event_streams import Constants, input_names
 from tachk.recordings.conformance.events import Cell, EventLog, RecordedEvent
 from tachk.simulation.testing.followed_system import SOURCE, AllowedNext, FollowedSystem
 from tachk.simulation.testing.goals import TestGoal
@@ -153,15 +153,14 @@ class TestedModel:
             case TestGoal.EDGES:
                 return GuidedInputs(settings.seed, others, settings.uncertainty)
             case PropertyGoal(run=run):
-                return InputsTowardsTarget(others, settings.uncertainty, self._inputs_of(run))
+                inputs = () if run is None else self.inputs_of(run)
+                return InputsTowardsTarget(others, settings.uncertainty, inputs)
 
-    def _inputs_of(self, run: TimedTrace | None) -> list[RecordedEvent]:
+    def inputs_of(self, run: TimedTrace) -> tuple[RecordedEvent, ...]:
         """The inputs of a run of the network."""
-        if run is None:
-            return []
-        inputs = {stream.visible.event for stream in self.instrumented.streams if stream.is_input}
+        names = input_names(self.network, self.mapping)
         events = events_of_run(self.network, self.mapping, run, SOURCE).events
-        return [event for event in events if event.name in inputs]
+        return tuple(event for event in events if event.name in names)
 
 
 @dataclass(frozen=True, slots=True)
