@@ -16,11 +16,9 @@ from tachk.recordings.conformance.events import Cell, RecordedEvent
 from tachk.simulation.testing.followed_system import AllowedEvent, AllowedNext, FollowedSystem
 
 _PAUSE = 4
-"""So many random inputs follow an edge half of the time."""
+"""So many random inputs follow half of the time where the destination is another one."""
 _PURSUIT = 30
-"""At most so many inputs are on the way to one edge."""
-_REST = 20
-"""So many random inputs follow where no run to an edge was found."""
+"""At most so many inputs are on the way to one destination."""
 _WAITS = 0.15
 """How often no input is chosen although one is possible, so that the system is also left alone."""
 
@@ -76,33 +74,64 @@ class RandomInputs:
         pass
 
 
-class GuidedInputs:
-    """Inputs on the way to an edge of the system that was not taken yet, as soon as they are possible, up to that edge;
-    then random ones for a while. Where no such edge is found near, or the system does not go there, they are random.
+class Destination(Protocol):
+    """Where inputs lead.
+
+    Attributes:
+        rest: so many random inputs follow where no run there was found, or after a pursuit.
     """
 
-    def __init__(self, seed: int, others: RandomInputs, uncertainty: TimestampUncertainty) -> None:
+    rest: int
+
+    def is_new(self, system: FollowedSystem) -> bool:
+        """Whether it is another place than at the input before."""
+
+    def lead(self, system: FollowedSystem) -> AllowedEvent | None:
+        """The first event of a run there; None if none is found near. Raises EstimateLimitError."""
+
+
+class UncoveredEdges:
+    """The edges of the system that were not taken yet."""
+
+    rest = 20
+
+    def __init__(self) -> None:
+        self._covered = frozenset[int]()
+
+    def is_new(self, system: FollowedSystem) -> bool:
+        before, self._covered = self._covered, system.covered
+        return before != self._covered
+
+    def lead(self, system: FollowedSystem) -> AllowedEvent | None:
+        return system.lead(self._covered)
+
+
+class GuidedInputs:
+    """Inputs on the way to a destination, as soon as they are possible; then random ones for a while. Where no run
+    there is found near, or the system does not go there, they are random.
+    """
+
+    def __init__(
+        self, destination: Destination, seed: int, others: InputChoice, uncertainty: TimestampUncertainty
+    ) -> None:
+        self._destination = destination
         self._random = Random(seed)
         self._others = others
         self._uncertainty = uncertainty
-        self._covered = frozenset[int]()
         self._left = _PURSUIT
 
     def next_input(self, system: FollowedSystem, allowed: AllowedNext, now: Fraction) -> PlannedInput | None:
-        covered = system.covered
-        if covered != self._covered:
-            self._covered, self._left = covered, self._random.choice((_PURSUIT, -_PAUSE))
+        if self._destination.is_new(system):
+            self._left = self._random.choice((_PURSUIT, -_PAUSE))
         if self._left > 0:
             lead = None
             with suppress(EstimateLimitError):
-                lead = system.lead(covered)
-            planned = None
-            if lead is not None:
-                planned = planned_towards(lead, allowed, now, self._uncertainty)
+                lead = self._destination.lead(system)
+            planned = None if lead is None else planned_towards(lead, allowed, now, self._uncertainty)
             if planned is not None or (lead is not None and not must_act(allowed)):
                 return planned
             if lead is None:
-                self._left = -_REST
+                self._left = -self._destination.rest
         return self._others.next_input(system, allowed, now)
 
     def is_sent(self) -> None:
@@ -110,7 +139,7 @@ class GuidedInputs:
         if self._left > 0:
             self._left -= 1
             if self._left == 0:
-                self._left = -_REST
+                self._left = -self._destination.rest
         else:
             self._left += 1
             if self._left == 0:

@@ -36,10 +36,11 @@ from tachk.simulation.testing.input_choice import (
     NotReceivedError,
     PlannedInput,
     RandomInputs,
+    UncoveredEdges,
     must_act,
 )
 from tachk.simulation.testing.instrumented_network import InstrumentedNetwork, instrumented_network
-from tachk.simulation.testing.property_goal import InputsTowardsTarget, PropertyGoal
+from tachk.simulation.testing.property_goal import DecidingStates, InputsOfRun, PropertyGoal
 from tachk.simulation.testing.run_events import events_of_run
 from tachk.simulation.testing.system_adapter import SeenOutput, SystemAdapter, SystemEndedError
 
@@ -151,10 +152,10 @@ class TestedModel:
             case TestGoal.RANDOM:
                 return others
             case TestGoal.EDGES:
-                return GuidedInputs(settings.seed, others, settings.uncertainty)
+                return GuidedInputs(UncoveredEdges(), settings.seed, others, settings.uncertainty)
             case PropertyGoal(run=run):
-                inputs = () if run is None else self.inputs_of(run)
-                return InputsTowardsTarget(others, settings.uncertainty, inputs)
+                then = GuidedInputs(DecidingStates(), settings.seed, others, settings.uncertainty)
+                return then if run is None else InputsOfRun(self.inputs_of(run), then, settings.uncertainty)
 
     def inputs_of(self, run: TimedTrace) -> tuple[RecordedEvent, ...]:
         """The inputs of a run of the network."""
