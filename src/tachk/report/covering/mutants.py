@@ -7,13 +7,10 @@ from typing import Any
 
 from tachk.model.network import Network
 from tachk.model.quantity import duration, grouped
-from tachk.report.covering.names import counted, place_text
+from tachk.report.covering.names import counted, listed, place_text
 from tachk.simulation.testing.mutant_suite import MutantSuite, SuiteScript
 from tachk.simulation.testing.mutants import SystemMutant
 from tachk.verify.covering.coverage import Coverage
-
-_SHOWN = 20
-"""So many mutants of a kind are named."""
 
 
 def mutant_text(network: Network, mutant: SystemMutant) -> str:
@@ -44,27 +41,17 @@ def _lines(network: Network, suite: MutantSuite, model: str, files: Sequence[str
     )
     for number, script in enumerate(suite.scripts):
         yield f"  {files[number] if files else f'script {number + 1}'}: {_script_text(network, script)}"
-    open_ = [(number, "") for number in suite.survived]
     if suite.equivalent:
         yield f"equivalent to the system, since no run takes their edge: {grouped(len(suite.equivalent))}"
-    yield from _listed(network, suite, f"survived {grouped(suite.tests)} tests:", open_)
-    yield from _listed(network, suite, "cannot stand for the system:", suite.unusable)
-    yield from _listed(network, suite, "not tried, as the time was over:", [(number, "") for number in suite.untried])
+    names = [mutant_text(network, mutant) for mutant in suite.mutants]
+    yield from listed(f"survived {grouped(suite.tests)} tests:", [names[each] for each in suite.survived])
+    yield from listed("cannot stand for the system:", [f"{names[each]}: {reason}" for each, reason in suite.unusable])
+    yield from listed("not tried, as the time was over:", [names[each] for each in suite.untried])
 
 
 def _script_text(network: Network, script: SuiteScript) -> str:
     end = duration(script.recording.end, network.time_unit)
     return f"{counted(script.inputs, 'input')}, to {end}, {counted(len(script.kills), 'more mutant')}"
-
-
-def _listed(network: Network, suite: MutantSuite, heading: str, mutants: Sequence[tuple[int, str]]) -> Iterator[str]:
-    if not mutants:
-        return
-    yield heading
-    for number, reason in mutants[:_SHOWN]:
-        yield f"  {mutant_text(network, suite.mutants[number])}" + (f": {reason}" if reason else "")
-    if len(mutants) > _SHOWN:
-        yield f"  and {grouped(len(mutants) - _SHOWN)} more: --format json names all"
 
 
 def mutants_to_json(network: Network, suite: MutantSuite, model: str, files: Sequence[str]) -> dict[str, Any]:

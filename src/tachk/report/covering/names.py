@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from tachk.engine.edge_paths import Place
@@ -58,6 +59,20 @@ def size_text(suite: CoveringSuite) -> str:
     if suite.unknown:
         text += f"; {grouped(len(suite.unknown))} unknown"
     return text
+
+
+_SHOWN = 20
+"""So many places or mutants of a kind are named."""
+
+
+def listed(heading: str, names: Sequence[str]) -> Iterator[str]:
+    """The heading and the first names, if there are any."""
+    if not names:
+        return
+    yield heading
+    yield from (f"  {name}" for name in names[:_SHOWN])
+    if len(names) > _SHOWN:
+        yield f"  and {grouped(len(names) - _SHOWN)} more: --format json names all"
 
 
 def counted(count: int, what: str) -> str:

@@ -6,13 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from tachk.engine.edge_paths import Place
 from tachk.model.network import Network
-from tachk.model.quantity import duration, grouped
-from tachk.report.covering.names import KINDS, counted, place_text, size_text
+from tachk.model.quantity import duration
+from tachk.report.covering.names import KINDS, counted, listed, place_text, size_text
 from tachk.verify.covering.coverage import Coverage
 from tachk.verify.covering.suite import CoveringSuite
-
-_SHOWN = 20
-"""So many places that are not covered are named."""
 
 
 def suite_to_text(network: Network, suite: CoveringSuite, model: str, files: Sequence[str]) -> str:
@@ -38,11 +35,5 @@ def _lines(network: Network, suite: CoveringSuite, model: str, files: Sequence[s
 
 def _missing(network: Network, coverage: Coverage, heading: str, missing: Iterable[tuple[Place, str]]) -> Iterator[str]:
     """The places that are not covered, with the reasons."""
-    listed = list(missing)
-    if not listed:
-        return
-    yield f"{heading}:"
-    for place, reason in listed[:_SHOWN]:
-        yield f"  {place_text(network, coverage, place)}: {reason}"
-    if len(listed) > _SHOWN:
-        yield f"  and {grouped(len(listed) - _SHOWN)} more: --format json names all"
+    names = [f"{place_text(network, coverage, place)}: {reason}" for place, reason in missing]
+    return listed(f"{heading}:", names)

@@ -96,7 +96,7 @@ def mutant_suite(
     equivalent = tuple(
         number
         for number, mutant in enumerate(mutants)
-        if mutant.by_taking and (mutant.process, mutant.edge) in never_taken
+        if mutant.same_untaken and (mutant.process, mutant.edge) in never_taken
     )
     tried = 0
     for number, mutant in enumerate(mutants):

@@ -1,7 +1,7 @@
 """Mutants of a system: its model with one change, as a programmer could make it.
 
-The operators are those of Aichernig, Lorber and Nickovic, "Time for mutants: model-based mutation testing with timed
-automata" (TAP 2013), section 4, but for changed sources of edges: a sink takes their place.
+Most operators are those of Aichernig, Lorber and Nickovic, "Time for mutants: model-based mutation testing with timed
+automata" (TAP 2013), section 4. Edges with another source are left out; edges that are missing are added.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from tachk.model.connectives import negation
 from tachk.model.expressions import INT, Assign, Binary, Constant, Expression, Unary
 from tachk.model.network import Edge, Location, Network, Process
 from tachk.model.recording import RecordingMap
-from tachk.model.traversal import walk
 from tachk.model.types import ClockType
 from tachk.recordings.conformance.event_streams import channel_variable
 
@@ -45,7 +44,7 @@ class SystemMutant:
     process: the number of the process that is changed.
     edge, location: the number of what is changed in it; one of them is None.
     detail: which bound or target, in words; empty if there is only one.
-    by_taking: where no run of the model takes the edge, the mutant does what the model does.
+    same_untaken: where no run of the model takes the edge, the mutant does what the model does.
     """
 
     operator: MutationOperator
@@ -53,7 +52,7 @@ class SystemMutant:
     edge: int | None
     location: int | None
     detail: str
-    by_taking: bool
+    same_untaken: bool
     network: Network
 
 
@@ -70,16 +69,16 @@ def system_mutants(network: Network, mapping: RecordingMap, shift: int) -> Itera
         for place, edge in enumerate(process.edges):
             for operator, detail, changed in _of_edge(process, edge, shift):
                 whole = _with_edge(network, number, place, changed)
-                by_taking = operator is MutationOperator.OTHER_TARGET and not _has_limited_target(process, edge)
-                yield SystemMutant(operator, number, place, None, detail, by_taking, whole)
+                same_untaken = operator is MutationOperator.OTHER_TARGET and not _has_limited_target(process, edge)
+                yield SystemMutant(operator, number, place, None, detail, same_untaken, whole)
             sync = edge.synchronisation
             if sync is not None and sync.direction is Direction.SEND and channel_variable(sync.channel) in visible:
                 silent = _with_edge(network, number, place, replace(edge, synchronisation=None))
                 yield SystemMutant(MutationOperator.SILENT, number, place, None, "", False, silent)
             rest = _without_edge(process, place)
             missing = _with_process(network, number, rest)
-            by_taking = rest.locations is process.locations and not _hinders_others(process, edge)
-            yield SystemMutant(MutationOperator.NO_EDGE, number, place, None, "", by_taking, missing)
+            same_untaken = rest.locations is process.locations and not _hinders_others(process, edge)
+            yield SystemMutant(MutationOperator.NO_EDGE, number, place, None, "", same_untaken, missing)
         for place, location in enumerate(process.locations):
             for operator, detail, limited in _of_location(location, shift):
                 limited_process = replace(process, locations=_with(process.locations, place, limited))
@@ -128,10 +127,12 @@ def _shifted(condition: Expression, shift: int) -> Iterator[tuple[Expression, Ex
             yield from _rebuilt(right, shift, lambda inner: replace(condition, right=inner))
         case Unary(UnaryOperator.NOT, operand):
             yield from _rebuilt(operand, shift, lambda inner: replace(condition, operand=inner))
-        case Binary(operator, left, right) if operator in COMPARISONS and _is_clock(left) and not _is_clock(right):
-            yield condition, replace(condition, right=_more(right, shift))
-        case Binary(operator, left, right) if operator in COMPARISONS and _is_clock(right) and not _is_clock(left):
-            yield condition, replace(condition, left=_more(left, shift))
+        case Binary(operator, left, right) if operator in COMPARISONS:
+            of_clocks = isinstance(left.type, ClockType), isinstance(right.type, ClockType)
+            if of_clocks == (True, False):
+                yield condition, replace(condition, right=_more(right, shift))
+            elif of_clocks == (False, True):
+                yield condition, replace(condition, left=_more(left, shift))
 
 
 def _rebuilt(
@@ -140,17 +141,13 @@ def _rebuilt(
     return ((comparison, whole(changed)) for comparison, changed in _shifted(part, shift))
 
 
-def _is_clock(expression: Expression) -> bool:
-    return isinstance(expression.type, ClockType)
-
-
 def _more(number: Expression, shift: int) -> Expression:
     return Binary(BinaryOperator.ADD, number, Constant(shift), INT, number.span)
 
 
 def _sets_clock(update: Expression) -> bool:
     """An assignment to a clock; calls of functions that set clocks are left as they are."""
-    return isinstance(update, Assign) and any(_is_clock(part) for part in walk(update.target))
+    return isinstance(update, Assign) and isinstance(update.target.type, ClockType)
 
 
 def _without_edge(process: Process, place: int) -> Process:
