@@ -166,10 +166,16 @@ class BinaryOperator(StrEnum):
 
     def holds(self, left: int | Fraction, right: int | Fraction) -> bool:
         """True if a comparison is true of two numbers or clock values."""
+        return self.comparison(left, right)
+
+    @property
+    def comparison(self) -> Callable[[int | Fraction, int | Fraction], bool]:
+        """A comparison as a function of two numbers or clock values. Raises ValueError for another operator."""
         row = _ROWS[self]
         if row.group is not OperandGroup.COMPARISON:
             raise ValueError(f"{self} is not a comparison")
-        return bool(row.meaning(left, right))
+        found: Callable[[int | Fraction, int | Fraction], bool] = row.meaning
+        return found
 
     @property
     def rights(self) -> tuple[tuple[int, int], ...]:
@@ -205,7 +211,7 @@ class _OperatorRow(NamedTuple):
 
     level: int
     group: OperandGroup
-    meaning: Callable[[Any, Any], int]
+    meaning: Callable[[Any, Any], Any]
     since: tuple[int, int] | None = _UPPAAL_4
     associative: bool = False
     word: str | None = None

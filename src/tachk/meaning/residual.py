@@ -6,10 +6,9 @@ their differences with the numbers that the evaluator gave, as the evaluator doe
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from tachk.base.operators import BinaryOperator, UnaryOperator
 from tachk.model.evaluate import Environment, clock_number, evaluate
@@ -21,16 +20,6 @@ from tachk.model.types import ClockType, ScalarLike, bounds
 Clocks: TypeAlias = Sequence[Fraction]
 """Entry i is the value of clock number i + 1."""
 Residual: TypeAlias = Callable[[Clocks], bool]
-
-_Compare: TypeAlias = Callable[[Any, Any], bool]
-_COMPARISONS: dict[BinaryOperator, _Compare] = {
-    BinaryOperator.LESS: operator.lt,
-    BinaryOperator.LESS_EQUAL: operator.le,
-    BinaryOperator.EQUAL: operator.eq,
-    BinaryOperator.NOT_EQUAL: operator.ne,
-    BinaryOperator.GREATER_EQUAL: operator.ge,
-    BinaryOperator.GREATER: operator.gt,
-}
 
 
 def residual(condition: Expression, scratch: Environment) -> Residual | None:
@@ -62,8 +51,8 @@ def _residual(condition: Expression, scratch: Environment) -> Residual | None:
             low, high = bounds(variable.type)
             instances = (_instance(body, variable, value, scratch) for value in range(low, high + 1))
             return _joined(instances, kind is QuantifierKind.EXISTS)
-        case Binary(comparison, left, right) if isinstance(left.type, ClockType) or isinstance(right.type, ClockType):
-            return _compared(_COMPARISONS[comparison], left, right, scratch)
+        case Binary(operator, left, right) if isinstance(left.type, ClockType) or isinstance(right.type, ClockType):
+            return _compared(operator.comparison, left, right, scratch)
         case _:
             return None
 
@@ -91,7 +80,9 @@ def _joined(parts: Iterable[Residual | None], decisive: bool) -> Residual | None
             return lambda clocks: all(part(clocks) for part in known)
 
 
-def _compared(compare: _Compare, left: Expression, right: Expression, scratch: Environment) -> Residual | None:
+def _compared(
+    compare: Callable[[int | Fraction, int | Fraction], bool], left: Expression, right: Expression, scratch: Environment
+) -> Residual:
     match _clock(left, scratch), _clock(right, scratch):
         case int(place), None if not isinstance(right.type, ClockType):
             number = evaluate(right, scratch)

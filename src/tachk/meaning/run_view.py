@@ -136,19 +136,14 @@ class TraceView:
             return self
         places = [process not in self.hidden_processes for process, _ in self.initial.locations]
         slots = [variable not in self.hidden_variables for variable, _ in self.initial.variables]
-        last: dict[int, tuple[_NamedValues, _NamedValues]] = {}
-
-        def shown_variables(variables: _NamedValues) -> _NamedValues:
-            """Many states in a row share the tuple of their variables."""
-            found = last.get(id(variables))
-            if found is None:
-                last.clear()
-                found = last[id(variables)] = variables, tuple(compress(variables, slots))
-            return found[1]
+        before: _NamedValues | None = None
+        variables: _NamedValues = ()
 
         def shown(state: Snapshot) -> Snapshot:
-            locations = tuple(compress(state.locations, places))
-            return Snapshot(locations, shown_variables(state.variables), state.clocks, state.time)
+            nonlocal before, variables
+            if state.variables is not before:  # many states in a row share the tuple of their variables
+                before, variables = state.variables, tuple(compress(state.variables, slots))
+            return Snapshot(tuple(compress(state.locations, places)), variables, state.clocks, state.time)
 
         steps = (
             ViewStep(step.delay, None if step.event is None else _shown_event(step.event), shown(step.state))
