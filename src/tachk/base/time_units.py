@@ -35,13 +35,18 @@ def usual_decimals(unit: str) -> int:
     return 9 if length is None else next((n for n in range(9) if length <= 10**n), 9)
 
 
+def unit_in_text(unit: str) -> tuple[Fraction, str]:
+    """How many of a unit are one unit of a model, and the name of that unit: 500 and ``ms`` for ``500 ms``; 1 and an
+    empty name for an empty text. Raises ValueError, or ZeroDivisionError, where the first word is no number."""
+    amount, _, name = unit.strip().rpartition(" ")
+    return Fraction(amount or 1), name
+
+
 def length_of(unit: str) -> Fraction | None:
     """The nanoseconds of ``1 ms``, ``10 us`` or ``s``; None for another text."""
-    amount, _, name = unit.strip().rpartition(" ")
-    if name not in NANOSECONDS:
-        return None
     try:
-        length = Fraction(amount or 1) * NANOSECONDS[name]
+        amount, name = unit_in_text(unit)
     except (ValueError, ZeroDivisionError):
         return None
+    length = amount * NANOSECONDS.get(name, 0)
     return length if length > 0 else None

@@ -6,6 +6,7 @@ from fractions import Fraction
 from math import lcm
 
 from tachk.base.diagnostics.diagnostic import InputError
+from tachk.base.time_units import unit_in_text
 from tachk.logic.durations import resolve, scaled
 from tachk.logic.fragment import outside_fragment
 from tachk.logic.horizon import horizon
@@ -83,7 +84,7 @@ def _horizon(formula: Formula, unit: str) -> str:
 
 
 def _time(reach: Fraction, unit: str) -> str:
-    amount, _, name = unit.rpartition(" ")
+    factor, name = unit_in_text(unit)
     if not name:
         return f"{print_number(reach)} time unit{'' if reach == 1 else 's'}"
-    return f"{print_number(reach * Fraction(amount or 1))} {name}"
+    return f"{print_number(reach * factor)} {name}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from fractions import Fraction
 
+from tachk.base.time_units import unit_in_text
 from tachk.report.conformance.text import enabled_event_text, event_text, units_text
 from tachk.report.drawing.sequence.chart import Category, Chart, Event, Message, Moment, Note
 from tachk.simulation.testing.tester import TestResult, TestVerdict
@@ -23,8 +24,7 @@ def chart_of_test(result: TestResult, inputs: Container[str], model: str, time_u
         inputs: the names of the events that the test sends.
         time_unit: of the model, such as ``1 ms``; empty if it does not say it.
     """
-    amount, _, unit = time_unit.strip().rpartition(" ")
-    factor = Fraction(amount) if amount else Fraction(1)
+    factor, unit = unit_in_text(time_unit)
     events = result.recording.events
     shown: list[Event] = []
     for order, event in enumerate(events[-_LAST:]):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
+from tachk.base.time_units import unit_in_text
 from tachk.model.quantity import grouped
 from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform import Conformance
@@ -64,9 +65,8 @@ def edit_text(found: Conformance, edit: Edit) -> str:
 
 def units_text(amount: Fraction, unit: str) -> str:
     """An amount of units of the model."""
-    number, _, name = unit.rpartition(" ")
-    value = amount * Fraction(number or 1)
-    return f"{float(value):.10g} {name}".rstrip()
+    factor, name = unit_in_text(unit)
+    return f"{float(amount * factor):.10g} {name}".rstrip()
 
 
 def uncertainty_text(uncertainty: TimestampUncertainty, unit: str) -> str:

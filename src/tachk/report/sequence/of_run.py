@@ -14,6 +14,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from tachk.base.records import dataclass, replace
+from tachk.base.time_units import unit_in_text
 from tachk.model.quantity import duration, ranges
 from tachk.report.drawing.sequence.chart import (
     Category,
@@ -48,7 +49,7 @@ _SAVED = 6
 
 def chart_of_run(run: RunSteps) -> Chart:
     """Processes from left to right as in the system line, without those that only listen; times of the model."""
-    unit, factor = _unit(run.unit)
+    factor, unit = unit_in_text(run.unit)
     shown_steps, repeats = _folded(run)
     named = named_members(run.query, run.processes)
     lifelines = _lifelines(run, named)
@@ -68,12 +69,6 @@ def chart_of_run(run: RunSteps) -> Chart:
     phases = tuple(making.phases(end))
     description = f"{run.title}; a run of {len(run.steps)} steps, {sum(one.is_lost for one in run.steps)} messages lost"
     return Chart(run.title, description, unit, lifelines, tuple(events), phases)
-
-
-def _unit(unit: str) -> tuple[str, Fraction]:
-    """The unit of the chart and how many of them are one of the model: ``500 ms`` are 500 ``ms``."""
-    amount, _, name = unit.strip().rpartition(" ")
-    return name, Fraction(amount) if amount else Fraction(1)
 
 
 def _lifelines(run: RunSteps, named: Container[str]) -> tuple[str, ...]:
