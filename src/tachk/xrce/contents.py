@@ -42,11 +42,13 @@ def samples(found: Submessages, endpoints: list[Endpoint]) -> Column:
 
 
 def contents(found: Submessages, entries: Numbers, said: Column, ways: Column) -> Numbers:
-    """Two numbers for each submessage of some entries that stand for its way, and all that it says.
+    """A digest of each of some submessages, as a row of two numbers: rows are equal where two submessages are equal and
+    went the same way.
 
     Args:
+        entries: the numbers of these submessages.
         said: the `samples` of all submessages.
-        ways: of each of these entries by whom to whom it was sent.
+        ways: of each of them a number that stands for its sender and its receiver.
     """
     parts = bytearray()
     for first in range(0, len(entries), _FEW):

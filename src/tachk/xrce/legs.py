@@ -42,7 +42,7 @@ class MessageColumns:
     Attributes:
         numbers: how many messages with known ends come before it in the capture.
         packets, times: the number of its packet, and nanoseconds since the epoch.
-        digests: two numbers that stand for its bytes.
+        digests: of its bytes, two numbers.
         to_agent: whether the client sent it.
         dropped: whether its receiver did not take it.
     """
@@ -204,7 +204,7 @@ class Legs:
 
 
 def digests(octets: Octets, starts: Numbers, sizes: Numbers) -> Numbers:
-    """For each stretch of some bytes two numbers that stand for what it says."""
+    """A digest of each stretch of bytes, as a row of two numbers: rows are equal where stretches are."""
     whole, found = memoryview(octets.data), bytearray()
     for begin in range(0, len(starts), _FEW):
         few = slice(begin, begin + _FEW)
