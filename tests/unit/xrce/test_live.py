@@ -139,7 +139,11 @@ def test_columns_are_those_of_the_whole_capture(name: str):
     octets = path.read_bytes()
     line = Line([(0.0, octets[at : at + 1000]) for at in range(0, len(octets), 1000)], 0.0)
     names = ["client_CCCCDDDD_at_9002.asleep", "client_AAAABBBB_at_8888.to_agent.outstanding"]
-    names += [column for column in whole.columns if not column.startswith(("client_", "unconfirmed"))]
+    names += [
+        column
+        for column in whole.columns
+        if not column.startswith(("client_", "unconfirmed", "pending", "acknowledged"))
+    ]
     pieces = list(live(line).blocks(names, 9))
     assert np.array_equal(np.concatenate([piece.times for piece in pieces]), whole.times)
     for column in names:
@@ -156,6 +160,7 @@ def first(name: str, tmp_path: Path) -> Rows:
     ("name", "problem"),
     [
         ("unconfirmed.Open", "known only when the capture is over"),
+        ("pending", "known only when the capture is over"),
         ("beHind", "no column 'beHind'"),
         ("client_CCCCDDDD.asleep", "seen at several ports"),
     ],
@@ -279,7 +284,11 @@ def serial_parts(name: str) -> list[tuple[float, bytes]]:
 def test_a_serial_line_while_it_is_read(name: str):
     """Its bytes, as they come, give what the capture of the same line gives when it is over."""
     whole = open_trace(LINES / f"{name}.pcap").read()
-    names = [column for column in whole.columns if not column.startswith(("client_", "unconfirmed"))]
+    names = [
+        column
+        for column in whole.columns
+        if not column.startswith(("client_", "unconfirmed", "pending", "acknowledged"))
+    ]
     parts = serial_parts(name)
     packets = LivePackets("-", line := Line(list(parts), parts[-1][0] + 0.1), (), line.clock)
     pieces = list(packets.blocks(names, 9))

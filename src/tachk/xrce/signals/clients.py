@@ -108,7 +108,7 @@ class Side:
 
 @dataclass(frozen=True, slots=True)
 class MessageWait:
-    """``number``: of the first message that waits; it was sent in this row, at this time."""
+    """``number``: of the first message that is not confirmed; it was sent in this row, at this time."""
 
     number: int
     row: int
@@ -120,19 +120,19 @@ class Transfer:
 
     Attributes:
         reached: the number up to which all has arrived. It stays where the receiver alone begins anew.
-        open: something that was sent has not arrived: of the client's messages at the Agent; of the Agent's messages
-            as far as the Agent knows.
+        open: something that was sent has not arrived.
+        unconfirmed: something that was sent has not arrived as far as its sender knows.
         lost: something that was sent has not come to the other end, and that end has not named it as missing.
         unheard: something that was sent has not come to the other end, and the sender does not know that it is missing.
-        waiting: where and when the Agent sent what is not confirmed; each for the messages before a number.
+        waiting: where and when what is not confirmed was sent; each for the messages before a number.
     """
 
-    __slots__ = ("lost", "open", "reached", "receiver", "sender", "to_agent", "unheard", "waiting")
+    __slots__ = ("lost", "open", "reached", "receiver", "sender", "to_agent", "unconfirmed", "unheard", "waiting")
 
     def __init__(self, sender: StreamState, receiver: StreamState, to_agent: bool) -> None:
         self.sender, self.receiver, self.to_agent = sender, receiver, to_agent
         self.reached = 0
-        self.open = self.lost = self.unheard = False
+        self.open = self.unconfirmed = self.lost = self.unheard = False
         self.waiting: deque[tuple[int, MessageWait]] = deque()
 
     def restart(self) -> None:
@@ -141,7 +141,7 @@ class Transfer:
         self.waiting.clear()
 
     def confirmed(self, row: int, time: int) -> MessageWait | None:
-        """Notes when the Agent's messages were sent. Returns the longest wait that has ended now."""
+        """Notes when messages were sent. Returns the longest wait that has ended now."""
         sent, arrived = self.sender.sent, self.sender.arrived
         longest = None
         if sent <= arrived and not self.waiting:
@@ -159,12 +159,13 @@ class Transfer:
         return longest
 
     def update(self) -> None:
-        """Looks again whether something is open or lost."""
+        """Looks again whether something is open, unconfirmed or lost."""
         receiver, sender, reached = self.receiver, self.sender, self.reached
         sent = sender.sent
         if receiver.arrived > reached:
             reached = self.reached = receiver.arrived
-        self.open = (reached if self.to_agent else sender.arrived) < sent
+        self.open = reached < sent
+        self.unconfirmed = sender.arrived < sent
         if reached < sent:
             self.lost = receiver.lacks(reached, sent)
             self.unheard = receiver.lacks_unheard(reached, sent, sender)

@@ -37,12 +37,13 @@ SITUATION: Final = (
     "missing",
     "behind",
     "unheard",
+    "waiting",
 )
 """The signals of all clients together: every message that clients have sent has arrived at the Agent; every sample that
 they have written has arrived at every reader; a client is silent for long; something came to such a client, which has
 not answered in time; the Agent has got what clients sent; readers have got it in order; a message of a client is
 neither there nor named as missing, or one of the Agent; the Agent has unconfirmed messages; a message of a client is
-not there, and its client does not know that."""
+not there, and its client does not know that; a client has unconfirmed messages."""
 
 GONE: Final = 60_000_000_000
 """A client that has closed its session, and from which nothing has come for so many nanoseconds, does not come back."""
@@ -115,7 +116,7 @@ class SignalTracker:
 
     Attributes:
         sides: of all clients, in the order in which they were seen.
-        longest: the confirmation for which the Agent has waited longest.
+        longest: the confirmation for which the Agent has waited longest, and that for which a client has.
         latest: until when everything is known, in nanoseconds since the epoch.
     """
 
@@ -138,8 +139,9 @@ class SignalTracker:
         self.latest = 0
         self._time = 0
         self._alarm = NEVER
-        self.longest: Waited | None = None
-        self._open = [0, 0]
+        self.longest: list[Waited | None] = [None, None]
+        self._open = 0
+        self._unconfirmed = [0, 0]
         self._lost = [0, 0]
         self._unheard = [0, 0]
         self._complete = self._ordered = self._unaltered = True
@@ -260,10 +262,10 @@ class SignalTracker:
             self._note_situation(self._rows)
             self._rows += 1
 
-    def waiting(self) -> MessageWait | None:
-        """The longest wait of the Agent for a confirmation; None if it waits for none."""
+    def waiting(self, to_agent: bool) -> MessageWait | None:
+        """The longest wait of the Agent for a confirmation, or of a client; None if nobody waits."""
         transfers = (transfer for client in self._owners() for transfer in client.transfers.values())
-        waits = [transfer.waiting[0][1] for transfer in transfers if transfer.waiting]
+        waits = [one.waiting[0][1] for one in transfers if one.waiting and one.to_agent == to_agent]
         return min(waits, key=lambda wait: wait.time) if waits else None
 
     def _owners(self) -> set[Client]:
@@ -373,7 +375,8 @@ class SignalTracker:
     def _forget(self, owner: Client) -> None:
         """Its streams have other ends now."""
         for transfer in owner.transfers.values():
-            self._open[transfer.to_agent] -= transfer.open
+            self._open -= transfer.to_agent and transfer.open
+            self._unconfirmed[transfer.to_agent] -= transfer.unconfirmed
             self._lost[transfer.to_agent] -= transfer.lost
             self._unheard[transfer.to_agent] -= transfer.unheard
         owner.forget()
@@ -393,10 +396,14 @@ class SignalTracker:
             stream.log.note(self._row, state.values())
         transfer = stream.transfer or stream.side.owner.transfer(stream)
         was_open, was_lost, was_unheard = transfer.open, transfer.lost, transfer.unheard
+        was_unconfirmed = transfer.unconfirmed
         transfer.update()
         to_agent = transfer.to_agent
-        if transfer.open != was_open:
-            self._open[to_agent] += transfer.open - was_open
+        if to_agent and transfer.open != was_open:
+            self._open += transfer.open - was_open
+            self._changed = True
+        if transfer.unconfirmed != was_unconfirmed:
+            self._unconfirmed[to_agent] += transfer.unconfirmed - was_unconfirmed
             self._changed = True
         if transfer.lost != was_lost:
             self._lost[to_agent] += transfer.lost - was_lost
@@ -404,10 +411,11 @@ class SignalTracker:
         if transfer.unheard != was_unheard:
             self._unheard[to_agent] += transfer.unheard - was_unheard
             self._changed = True
-        if not to_agent:
-            ended = transfer.confirmed(self._row, self._time)
-            if ended is not None and (self.longest is None or self._time - ended.time > self.longest.duration):
-                self.longest = Waited(ended.row, self._row, self._time - ended.time)
+        ended = transfer.confirmed(self._row, self._time)
+        if ended is not None:
+            longest = self.longest[to_agent]
+            if longest is None or self._time - ended.time > longest.duration:
+                self.longest[to_agent] = Waited(ended.row, self._row, self._time - ended.time)
 
     def _acknack(self, stream: Stream, first: int, bitmap: int) -> None:
         state = stream.state
@@ -465,16 +473,17 @@ class SignalTracker:
         self._changed = False
         asleep = [side for side in self.sides if side.asleep and side is side.owner.own_side]
         now = (
-            not self._open[True],
-            self._complete and not self._open[True],
+            not self._open,
+            self._complete and not self._open,
             bool(asleep),
             any(side.disturbed for side in asleep),
             self._unaltered,
             self._ordered,
             self._lost[True] > 0,
             self._lost[False] > 0,
-            self._open[False] > 0,
+            self._unconfirmed[False] > 0,
             self._unheard[True] > 0,
+            self._unconfirmed[True] > 0,
         )
         if now != self._known:
             self._known = now

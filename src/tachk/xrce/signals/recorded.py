@@ -55,7 +55,7 @@ class ClientHistory:
 
 @dataclass(frozen=True, slots=True)
 class LongestWaits:
-    """The messages of the Agent that waited longest for their confirmation: if these are in time, all are.
+    """The messages of the Agent, or of clients, that waited longest for confirmation: if these are in time, all are.
 
     Attributes:
         waited: the rows in which the one was sent and confirmed that waited longest; None if another one has waited for
@@ -92,7 +92,7 @@ class CaptureSignals:
     situation: changes of the `SITUATION`.
     streams: of each stream and direction, client by client.
     clients: each client, at each port at which it is seen.
-    observed: the message of the Agent that is confirmed last after it was sent.
+    observed: the message of the Agent that is confirmed last after it was sent, and that of a client.
     problem: why the capture ends too early; empty if it does not.
     """
 
@@ -101,7 +101,7 @@ class CaptureSignals:
     situation: SignalChanges
     streams: tuple[StreamHistory, ...]
     clients: tuple[ClientHistory, ...]
-    observed: LongestWaits
+    observed: tuple[LongestWaits, LongestWaits]
     problem: str = ""
 
 
@@ -150,12 +150,12 @@ def _recorded(decoder: CaptureDecoder | SerialDecoder, signals: bool) -> Capture
         )
         for side in tracker.sides
     )
-    observed = _observed(tracker, joined.times)
+    observed = _observed(tracker, joined.times, False), _observed(tracker, joined.times, True)
     return CaptureSignals(joined.times, joined.packets, joined.situation, streams, clients, observed, decoder.problem)
 
 
-def _observed(tracker: SignalTracker, times: Numbers) -> LongestWaits:
-    waiting, waited = tracker.waiting(), tracker.longest
+def _observed(tracker: SignalTracker, times: Numbers, to_agent: bool) -> LongestWaits:
+    waiting, waited = tracker.waiting(to_agent), tracker.longest[to_agent]
     if waiting is not None and (waited is None or int(times[-1]) - waiting.time >= waited.duration):
         waited = None
     return LongestWaits(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, BinaryIO, Final, Protocol, cast
 
 import numpy as np
@@ -27,7 +28,7 @@ from tachk.xrce.signals.clients import Side, Way
 from tachk.xrce.signals.following import GONE, SITUATION, RowBlock, SignalTracker
 from tachk.xrce.signals.samples import TooManyUnread
 from tachk.xrce.streams import SIGNALS
-from tachk.xrce.traces.trace_packets import PROPERTIES
+from tachk.xrce.traces.trace_packets import PROPERTIES, WITH_HINDSIGHT
 from tachk.xrce.wire import FIRST_RELIABLE_STREAM
 
 LATENESS: Final = 1_000_000_000
@@ -37,7 +38,7 @@ _DECIMALS: Final = 9
 _MOST_ROWS: Final = 1 << 16
 """Rows whose packets are known, for reports."""
 
-_WITH_HINDSIGHT: Final = ("unconfirmed.Open", "unconfirmed.Idle")
+_WITH_HINDSIGHT: Final = frozenset(chain.from_iterable(WITH_HINDSIGHT))
 _OF_STREAM: Final = re.compile(
     rf"(?P<client>client_[0-9A-Za-z]+?)(?:_at_(?P<port>{DIGITS}))?\."
     rf"(?:(?P<way>to|from)_agent(?:_(?P<stream>[89A-F][0-9A-F]))?\.(?P<signal>{'|'.join(SIGNALS)})|asleep)"

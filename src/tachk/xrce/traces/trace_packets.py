@@ -31,6 +31,7 @@ from tachk.xrce.signals.following import SITUATION
 from tachk.xrce.signals.recorded import (
     CaptureSignals,
     ClientHistory,
+    LongestWaits,
     StreamHistory,
     read_recorded,
     read_recorded_serial,
@@ -113,8 +114,13 @@ PROPERTIES: Final = {
     "learned": ("unheard", True),
     "noticed": ("missing", True),
     "caughtUp": ("behind", True),
+    "answered": ("waiting", True),
 }
 """The subjects of the properties of the reliable stream, each as one of the `SITUATION`, and True if it is negated."""
+
+WITH_HINDSIGHT: Final = (("unconfirmed.Open", "unconfirmed.Idle"), ("pending", "acknowledged"))
+"""The subjects of the properties of single messages, of the Agent and of clients: which message waits longest is known
+only when the capture is over."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -239,8 +245,9 @@ def _signals(recorded: CaptureSignals, again: _Again) -> Iterator[tuple[str, Cal
             )
     for client in recorded.clients:
         yield f"{place(client)}.asleep", partial(_flag, client.changes, 0, count, False)
-    yield "unconfirmed.Open", lambda: recorded.observed.open(count).astype(np.uint8)
-    yield "unconfirmed.Idle", lambda: recorded.observed.idle(count).astype(np.uint8)
+    for (is_open, is_idle), observed in zip(WITH_HINDSIGHT, recorded.observed, strict=True):
+        yield is_open, partial(_open, observed, count)
+        yield is_idle, partial(_idle, observed, count)
     for name, (signal, negated) in PROPERTIES.items():
         yield name, partial(_flag, recorded.situation, SITUATION.index(signal), count, negated)
 
@@ -260,6 +267,14 @@ def _hop(hops: Callable[[], Mapping[Direction, SignalChanges]], of: Direction, n
     changes = hops().get(of)
     values = np.zeros(count) if changes is None else changes.spread(number, count).astype(float)
     return values / 1e6 if HOP_SIGNALS[number] == "delay_ms" else values
+
+
+def _open(observed: LongestWaits, count: int) -> Values:
+    return observed.open(count).astype(np.uint8)
+
+
+def _idle(observed: LongestWaits, count: int) -> Values:
+    return observed.idle(count).astype(np.uint8)
 
 
 def _flag(changes: SignalChanges, signal: int, count: int, negated: bool) -> Values:

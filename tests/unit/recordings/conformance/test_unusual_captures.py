@@ -41,13 +41,13 @@ def settings(name: str) -> list[str]:
 def test_tcp_at_another_port_is_the_same_with_and_without_it() -> None:
     """The first segment of a client is the length of its CREATE_CLIENT alone."""
     status, lines = verdicts("tcp_other_port")
-    assert status == 0 and lines[-1] == "12 true"
+    assert status == 0 and lines[-1] == "14 true"
     assert lines == verdicts("tcp_other_port", "--port", "24800")[1]
 
 
 def test_samples_behind_a_cancel_reach_their_reader_outside_of_any_stream() -> None:
     status, lines = verdicts("cancel_while_flowing")
-    assert status == 0 and lines[-1] == "12 true"
+    assert status == 0 and lines[-1] == "14 true"
 
 
 def test_a_client_goes_on_from_another_address_behind_a_relay() -> None:
@@ -56,7 +56,7 @@ def test_a_client_goes_on_from_another_address_behind_a_relay() -> None:
     assert "CLIENTS=2" in settings("address_changes")
     text = "\n".join(verdicts("address_changes")[1])
     assert "presumably" not in text
-    assert "10 true, 2 false" in text and "NIWS is false" in text and "NIWS_rise is false" in text
+    assert "12 true, 2 false" in text and "NIWS is false" in text and "NIWS_rise is false" in text
     assert run("conform", MODEL, capture("address_changes"), *settings("address_changes"), "--late", "5ms")[0] == 0
 
 
