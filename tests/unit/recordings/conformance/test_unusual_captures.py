@@ -95,3 +95,16 @@ def test_a_ping_outside_a_session_does_not_wake_the_agent() -> None:
     )
     sent = [e for e in read_capture(CAPTURES / "ping_without_session.pcap").events if e.cells.get("kind") == "PING"]
     assert [(e.name, e.place) for e in sent] == [("sent", "packet 393"), ("arrived", "packet 394")]
+
+
+def test_a_client_hangs_that_has_fewer_slots_than_a_sample_has_pieces() -> None:
+    """It never answers the fourth piece of five. One that stops looking for the last would, and so would one with more
+    slots."""
+    text = "\n".join(verdicts("too_many_pieces")[1])
+    assert "FARS is false" in text and "ECRA is undetermined" in text
+    fixed = ["-D", "MESSAGES=4", "-D", "CLIENT_JITTER=5", "-D", "AGENT_JITTER=5", "-D", "AGENT_DELAY=16"]
+    for changed, packet in (([], None), (["-D", "ENDLESS_SEARCH=0"], 90), (["-D", "INPUT_HISTORY=8"], 90)):
+        four = [] if "INPUT_HISTORY=8" in changed else ["-D", "INPUT_HISTORY=4"]
+        status, told = run("conform", MODEL, capture("too_many_pieces"), *fixed, *four, *changed)
+        assert status == (0 if packet is None else 10), changed
+        assert packet is None or f"leaves the model at packet {packet}," in told
