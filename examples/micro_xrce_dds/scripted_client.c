@@ -10,6 +10,8 @@
  *   size=N             a sample has N octets (4); what does not fit into a slot is sent in fragments
  *   besteffort         samples are written to and asked from a best-effort stream
  *   topic=NAME         another topic
+ *   also=NAME          one more topic, with a data writer and a data reader of its own; up to three times
+ *   mixed              samples of these further topics are asked from a best-effort stream
  *
  * Steps, done one after the other:
  *   write              give the next sample to the library; it is sent by the next step that runs the session
@@ -19,9 +21,14 @@
  *   data MS            run the session until a sample comes, at most so long
  *   confirm MS         run the session until everything is confirmed, at most so long
  *   read N             ask for N samples (READ_DATA), 65535 for all that come
+ *   seconds N          what is asked for from now on is to end after N seconds (max_elapsed_time); 0: no limit
+ *   bytes N            what is asked for from now on is limited to N octets a second (max_bytes_per_second); 0: no limit
+ *   cancel             end what was asked for (READ_DATA for 0 samples)
+ *   use N              write and ask for samples of topic N from now on, of which 1 is the first
  *   sleep MS           the radio is off: nothing is sent, what arrives is gone
  *   pause MS           the program does something else; what arrives waits in the socket
  *   ping MS            ask within the session whether the Agent is there
+ *   move               go on from another UDP port, as a client behind a router does when it gets another address
  *   obey               do what lines on stdin say, until its end: {"event": "run", "ms": 130, "writes": 1} writes a sample,
  *                      if the library takes it, runs the session for so long, and is answered by {"event": "returned"}
  *   abandon            end without closing the session
@@ -48,18 +55,23 @@
 #define MTU UXR_CONFIG_UDP_TRANSPORT_MTU
 #define MOST_SLOTS 64
 #define MOST_REPETITIONS 500
+#define MOST_TOPICS 4
 
 static uxrSession session;
 static uxrUDPTransport udp;
 static uxrTCPTransport tcp;
 static uxrSerialTransport serial;
-static uxrStreamId output, input, samples_out;
-static uxrObjectId writer, reader;
+static uxrStreamId output, samples_out, inputs[MOST_TOPICS];
+static uxrObjectId writers[MOST_TOPICS], readers[MOST_TOPICS];
+static size_t used; /* the topic that steps are about */
+static uxrDeliveryControl control;
 static uint32_t written;
 static uint32_t sample_size = 4;
 static int descriptor;
+static const char* agent_port = "";
 static bool silent;
-static char topic_name[40] = "Numbers";
+static char topic_names[MOST_TOPICS][40] = {"Numbers"};
+static size_t topics = 1;
 static uint8_t best_effort_buffer[MTU];
 static uint8_t output_buffer[MTU * MOST_SLOTS], input_buffer[MTU * MOST_SLOTS];
 
@@ -87,7 +99,7 @@ static void on_sample(uxrSession* of, uxrObjectId object, uint16_t request, uxrS
 static bool write_sample(void) {
     ucdrBuffer buffer;
 
-    if (uxr_prepare_output_stream(&session, samples_out, writer, &buffer, sample_size) == UXR_INVALID_REQUEST_ID)
+    if (uxr_prepare_output_stream(&session, samples_out, writers[used], &buffer, sample_size) == UXR_INVALID_REQUEST_ID)
         return false;
     ucdr_serialize_uint32_t(&buffer, ++written);
     for (uint32_t i = 4; i < sample_size; i++) ucdr_serialize_uint8_t(&buffer, (uint8_t)i);
@@ -123,10 +135,18 @@ static void discard_what_arrived(void) {
 }
 
 static void read_samples(long number) {
-    uxrDeliveryControl control = {.max_samples = (uint16_t)number};
-
-    uxr_buffer_request_data(&session, output, reader, input, &control);
+    control.max_samples = (uint16_t)number;
+    uxr_buffer_request_data(&session, output, readers[used], inputs[used], &control);
     tell("asked", "samples", number);
+}
+
+/* Goes on from another UDP port; false if that cannot be. */
+static bool move(void) {
+    uxr_close_udp_transport(&udp);
+    if (!uxr_init_udp_transport(&udp, UXR_IPv4, "127.0.0.1", agent_port)) return false;
+    descriptor = udp.platform.poll_fd.fd;
+    tell("moved", NULL, 0);
+    return true;
 }
 
 static int fail(const char* what) {
@@ -148,6 +168,12 @@ static bool step(const char* name, long number) {
         insist((int)number);
     } else if (!strcmp(name, "read")) {
         read_samples(number);
+    } else if (!strcmp(name, "seconds")) {
+        control.max_elapsed_time = (uint16_t)number;
+    } else if (!strcmp(name, "bytes")) {
+        control.max_bytes_per_second = (uint16_t)number;
+    } else if (!strcmp(name, "use")) {
+        used = number < 1 || (size_t)number > topics ? 0 : (size_t)number - 1;
     } else if (!strcmp(name, "pause")) {
         wait_ms(number);
     } else if (!strcmp(name, "ping")) {
@@ -202,6 +228,11 @@ static int steps(int count, char** arguments) {
             if (!write_sample()) tell("refused", "times", 1);
         } else if (!strcmp(arguments[i], "obey")) {
             obey();
+        } else if (!strcmp(arguments[i], "cancel")) {
+            uxr_buffer_cancel_data(&session, output, readers[used]);
+            tell("cancelled", NULL, 0);
+        } else if (!strcmp(arguments[i], "move")) {
+            if (!move()) return fail("no other port");
         } else if (!strcmp(arguments[i], "abandon")) {
             exit(0);
         } else if (!strcmp(arguments[i], "repeat")) {
@@ -218,27 +249,32 @@ static int steps(int count, char** arguments) {
 }
 
 static bool create_entities(bool publishes, bool subscribes) {
-    uxrObjectId participant = uxr_object_id(1, UXR_PARTICIPANT_ID), topic = uxr_object_id(1, UXR_TOPIC_ID);
+    uxrObjectId participant = uxr_object_id(1, UXR_PARTICIPANT_ID);
     uxrObjectId publisher = uxr_object_id(1, UXR_PUBLISHER_ID), subscriber = uxr_object_id(1, UXR_SUBSCRIBER_ID);
-    char topic_reference[48], writer_reference[48], reader_reference[48];
-    uint16_t requests[6];
-    uint8_t answers[6];
+    char reference[sizeof topic_names + 8];
+    uint16_t requests[3 + 3 * MOST_TOPICS];
+    uint8_t answers[3 + 3 * MOST_TOPICS];
     size_t n = 0;
 
-    snprintf(topic_reference, sizeof topic_reference, "%s__t", topic_name);
-    snprintf(writer_reference, sizeof writer_reference, "%s__dw", topic_name);
-    snprintf(reader_reference, sizeof reader_reference, "%s__dr", topic_name);
-    writer = uxr_object_id(1, UXR_DATAWRITER_ID);
-    reader = uxr_object_id(1, UXR_DATAREADER_ID);
     requests[n++] = uxr_buffer_create_participant_ref(&session, output, participant, 0, "participant", UXR_REPLACE);
-    requests[n++] = uxr_buffer_create_topic_ref(&session, output, topic, participant, topic_reference, UXR_REPLACE);
-    if (publishes) {
-        requests[n++] = uxr_buffer_create_publisher_xml(&session, output, publisher, participant, "", UXR_REPLACE);
-        requests[n++] = uxr_buffer_create_datawriter_ref(&session, output, writer, publisher, writer_reference, UXR_REPLACE);
+    for (uint16_t i = 0; i < topics; i++) {
+        snprintf(reference, sizeof reference, "%s__t", topic_names[i]);
+        requests[n++] = uxr_buffer_create_topic_ref(&session, output, uxr_object_id(i + 1, UXR_TOPIC_ID), participant,
+                                                    reference, UXR_REPLACE);
     }
-    if (subscribes) {
+    if (publishes)
+        requests[n++] = uxr_buffer_create_publisher_xml(&session, output, publisher, participant, "", UXR_REPLACE);
+    for (uint16_t i = 0; publishes && i < topics; i++) {
+        writers[i] = uxr_object_id(i + 1, UXR_DATAWRITER_ID);
+        snprintf(reference, sizeof reference, "%s__dw", topic_names[i]);
+        requests[n++] = uxr_buffer_create_datawriter_ref(&session, output, writers[i], publisher, reference, UXR_REPLACE);
+    }
+    if (subscribes)
         requests[n++] = uxr_buffer_create_subscriber_xml(&session, output, subscriber, participant, "", UXR_REPLACE);
-        requests[n++] = uxr_buffer_create_datareader_ref(&session, output, reader, subscriber, reader_reference, UXR_REPLACE);
+    for (uint16_t i = 0; subscribes && i < topics; i++) {
+        readers[i] = uxr_object_id(i + 1, UXR_DATAREADER_ID);
+        snprintf(reference, sizeof reference, "%s__dr", topic_names[i]);
+        requests[n++] = uxr_buffer_create_datareader_ref(&session, output, readers[i], subscriber, reference, UXR_REPLACE);
     }
     return uxr_run_session_until_all_status(&session, 10000, requests, answers, n);
 }
@@ -259,12 +295,13 @@ static uxrCommunication* connect_to(const char* where) {
         return uxr_init_serial_transport(&serial, descriptor, 0, 1) ? &serial.comm : NULL;
     }
     if (!uxr_init_udp_transport(&udp, UXR_IPv4, "127.0.0.1", where)) return NULL;
+    agent_port = where;
     descriptor = udp.platform.poll_fd.fd;
     return &udp.comm;
 }
 
 /* Reads the options and gives the number of the first argument behind them, or -1. */
-static int read_options(int count, char** arguments, uint16_t* history, bool* best_effort) {
+static int read_options(int count, char** arguments, uint16_t* history, bool* best_effort, bool* mixed) {
     int i = 4;
 
     for (; i < count; i++) {
@@ -273,7 +310,11 @@ static int read_options(int count, char** arguments, uint16_t* history, bool* be
         } else if (!strncmp(arguments[i], "size=", 5)) {
             sample_size = (uint32_t)atoi(arguments[i] + 5);
         } else if (!strncmp(arguments[i], "topic=", 6)) {
-            snprintf(topic_name, sizeof topic_name, "%s", arguments[i] + 6);
+            snprintf(topic_names[0], sizeof topic_names[0], "%s", arguments[i] + 6);
+        } else if (!strncmp(arguments[i], "also=", 5) && topics < MOST_TOPICS) {
+            snprintf(topic_names[topics++], sizeof topic_names[0], "%s", arguments[i] + 5);
+        } else if (!strcmp(arguments[i], "mixed")) {
+            *mixed = true;
         } else if (!strcmp(arguments[i], "besteffort")) {
             *best_effort = true;
         } else {
@@ -287,12 +328,13 @@ static int read_options(int count, char** arguments, uint16_t* history, bool* be
 
 int main(int count, char** arguments) {
     uint16_t history = 8;
-    bool best_effort = false;
+    bool best_effort = false, mixed = false;
+    uxrStreamId input;
     uxrCommunication* communication;
     int i;
 
     if (count < 5) return fail("WHERE KEY publisher|subscriber|both [OPTION...] STEP...");
-    if ((i = read_options(count, arguments, &history, &best_effort)) < 0) return 2;
+    if ((i = read_options(count, arguments, &history, &best_effort, &mixed)) < 0) return 2;
     communication = connect_to(arguments[1]);
     if (!communication) return fail("no transport");
     uxr_init_session(&session, communication, (uint32_t)strtoul(arguments[2], NULL, 16));
@@ -304,6 +346,9 @@ int main(int count, char** arguments) {
         samples_out = uxr_create_output_best_effort_stream(&session, best_effort_buffer, MTU);
         input = uxr_create_input_best_effort_stream(&session);
     }
+    for (size_t k = 0; k < topics; k++) inputs[k] = input;
+    if (mixed && !best_effort) input = uxr_create_input_best_effort_stream(&session);
+    for (size_t k = 1; k < topics; k++) inputs[k] = input;
     if (!create_entities(strcmp(arguments[3], "subscriber"), strcmp(arguments[3], "publisher")))
         return fail("the Agent refuses the entities");
     for (int k = i; k < count; k++) /* takes the last answers to its set-up before it is ready to obey */

@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 CLIENT = "client"
 """The column of clients in events in the words of `models/micro_xrce_dds/protocol.ta`."""
 
+_CONSTANTS = {
+    "TOPICS": "topics, those from which nobody reads counted as one",
+    "READERS": "data readers a client at most, as many for each topic",
+}
+"""What constants of the automata count that a recording gives."""
+
 
 class DdsXrce:
     """Captures of the packets between clients and Agents."""
@@ -58,6 +64,14 @@ class DdsXrce:
             if known is not None and found > known:
                 raise UsageError(
                     f"{recording.source} has {found} {what}, but the model {known}", f"set -D {name}={found}"
+                )
+        for name, wanted in recording.constants.items():
+            known = constants(name)
+            if (1 if known is None else known) != wanted:
+                what = _CONSTANTS[name]
+                raise UsageError(
+                    f"{recording.source} has {wanted} {what}, but the model {1 if known is None else known}",
+                    f"set -D {name}={wanted}",
                 )
         if best_effort and constants("BEST_EFFORT_STREAMS") == 0:
             raise UsageError(

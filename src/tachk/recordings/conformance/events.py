@@ -66,6 +66,7 @@ class EventLog:
     closings: of which events less was recorded.
     epoch: nanoseconds since 1970 at time 0, where that is known.
     words: by column, names of constants of the model that its cells may have, in this recording or not.
+    constants: values that constants of the model must have for the numbers of the recording to mean the same in it.
     """
 
     source: str
@@ -76,6 +77,7 @@ class EventLog:
     closings: tuple[Closing, ...] = ()
     epoch: int = 0
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    constants: Mapping[str, int] = field(default_factory=dict)
 
 
 def excerpt(log: EventLog, first: int, top: int) -> EventLog:

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tachk.recordings.conformance.events import Cell, RecordedEvent
+from tachk.xrce.conformance.payloads import BATCH, READER
+from tachk.xrce.objects import Numbering
 from tachk.xrce.packets import Numbers
 
 _NOTHING: Final = -(2**62)
@@ -34,6 +36,7 @@ class EventColumns:
         self._codes = array("i")
         self._numbers, self._details = array("q"), array("q")
         self._after, self._passes = array("q"), array("i")
+        self._about = array("i")
 
     def __len__(self) -> int:
         return len(self._times)
@@ -52,6 +55,7 @@ class EventColumns:
         optional: bool = False,
         inferred: bool = False,
         passes: int = -1,
+        about: int = -1,
     ) -> None:
         """Adds an event. Without a link it has no cells but its client, and its detail if it has one.
 
@@ -59,6 +63,7 @@ class EventColumns:
             client: the number of its link in the capture: that of the client may not be known yet.
             link: 0 from the client, 1 to it.
             after: how many events were added before that which comes before it.
+            about: the topic or the data reader that the detail is about, as of a `Payload`.
         """
         self._times.append(time)
         self._packets.append(packet)
@@ -70,12 +75,14 @@ class EventColumns:
         self._details.append(_NOTHING if detail is None else detail)
         self._after.append(after)
         self._passes.append(passes)
+        self._about.append(about)
 
-    def sorted(self, clients: Sequence[int]) -> PackedEvents:
+    def sorted(self, clients: Sequence[int], numbering: Numbering) -> PackedEvents:
         """The events in the order of their times and packets.
 
         Args:
             clients: the number of the client of each link.
+            numbering: of topics and readers.
         """
         times, packets = (np.frombuffer(each, np.int64) for each in (self._times, self._packets))
         order = np.lexsort((packets, times))
@@ -94,11 +101,26 @@ class EventColumns:
                 codes[order],
                 owners[order],
                 np.frombuffer(self._numbers, np.int64)[order],
-                np.frombuffer(self._details, np.int64)[order],
+                self._numbered(links, numbering)[order],
                 behind[order],
                 np.frombuffer(self._passes, np.int32)[order],
             ),
         )
+
+    def _numbered(self, links: NDArray[np.int32], numbering: Numbering) -> Numbers:
+        """The details, with the numbers of topics and readers."""
+        details = np.frombuffer(self._details, np.int64)
+        if numbering.is_plain:
+            return details
+        details, about = details.copy(), np.frombuffer(self._about, np.int32)
+        sampled = np.flatnonzero((about >= 0) & (details >= 0))
+        topics = about[sampled]
+        more, first = np.divmod(details[sampled], BATCH)
+        first = (first + np.array(numbering.before)[topics]) * numbering.topics
+        details[sampled] = more * BATCH + first + np.array(numbering.of_topics)[topics]
+        for (link, reader), number in numbering.of_readers.items():
+            details[(about == reader) & (links == link) & (details < 0)] -= READER * number
+        return details
 
 
 class PackedEvents(Sequence[RecordedEvent]):

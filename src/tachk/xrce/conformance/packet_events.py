@@ -9,6 +9,8 @@ client c sends is on the link 2 c, what the Agent sends to it on 2 c + 1. The ev
     written_best_effort(client, detail)           a client puts samples into its best-effort output stream
     created_again(client)                         one more CREATE_CLIENT of a session reaches the Agent
 
+Samples, topics and data readers have the numbers of `tachk.xrce.objects`.
+
 A message with several submessages is one event, and so is a piece of a larger one (FRAGMENT). The recording of a client
 ends where it deletes its session.
 """
@@ -23,69 +25,21 @@ from typing import NamedTuple
 from tachk.base.diagnostics.diagnostic import UsageError
 from tachk.recordings.conformance.events import Closing, EventLog
 from tachk.xrce.conformance.packed_events import EventColumns
-from tachk.xrce.conformance.payloads import BEST_EFFORT, MessageContents, UnknownContentError, begins_sample
-from tachk.xrce.events import SubmessageEvent
+from tachk.xrce.conformance.payloads import BEST_EFFORT, MessageContents, Payload, UnknownContentError, begins_sample
 from tachk.xrce.events import SubmessageEvent as Submessage
+from tachk.xrce.objects import constants_of
 from tachk.xrce.packets import CaptureError
-from tachk.xrce.signals.samples import topic_of
 from tachk.xrce.streams import nearest_number
 from tachk.xrce.transmission import Transmission
 from tachk.xrce.transmissions import open_transmissions
 from tachk.xrce.wire import SESSION_IDS_NONE, SubmessageKind
 
-_ENDS = ("data writer", "data reader")
-_LIMITS = (("max_elapsed_seconds", "max_elapsed_time"), ("max_bytes_per_second", "max_bytes_per_second"))
-"""Fields of READ_DATA, as events and as DDS-XRCE call them. 0 is no limit."""
-_REPRESENTATIONS = {"reference": 1, "XML": 2}
-
-
-class Objects:
-    """The writers and readers of a capture, as far as messages have shown them."""
-
-    def __init__(self) -> None:
-        self._topics: dict[tuple[int, object], str | None] = {}
-        self._readers: dict[int, object] = {}
-        self._topic: str | None = None
-
-    def unspoken(self, one: Transmission) -> Iterator[str]:
-        """The parts of a message that the automata do not model, in words that go on ``this message``."""
-        for event in one.events:
-            match event.kind:
-                case SubmessageKind.CREATE if event.fields.get("object_kind") in _ENDS:
-                    form = _REPRESENTATIONS.get(str(event.fields.get("representation")), 0)
-                    topic = topic_of(form, event.fields.get("description")) if form else None
-                    self._topics[one.link, event.fields["object"]] = topic
-                case SubmessageKind.READ_DATA:
-                    yield from self._read(one.link, event)
-                case SubmessageKind.WRITE_DATA | SubmessageKind.DATA:
-                    yield from self._sample(one.link, event)
-                case _:
-                    pass
-
-    def _read(self, link: int, event: SubmessageEvent) -> Iterator[str]:
-        for name, field in _LIMITS:
-            if event.fields[name]:
-                yield f"READ_DATA has {field} {event.fields[name]}: the automata know READ_DATA with max_samples alone"
-        reader = event.fields["object"]
-        if self._readers.setdefault(link, reader) != reader:
-            before = self._readers[link]
-            yield f"READ_DATA is for the data reader {reader}, one before for {before}: the automata know one a client"
-
-    def _sample(self, link: int, event: SubmessageEvent) -> Iterator[str]:
-        topic = self._topics.get((link, event.fields["object"]))
-        if topic is None:
-            return
-        self._topic = self._topic or topic
-        if topic != self._topic:
-            yield f"sample is of the topic {topic}, those before were of {self._topic}: the automata know one topic"
-
-
 _CLIENT_OBJECT = "FFFE"
 _KINDS = "DATA", "HEARTBEAT", "ACKNACK", "PING", BEST_EFFORT
 
 
-_Content = tuple[str, int, int | None]
-"""A message of the automata: kind, number and detail."""
+_Content = tuple[str, int, Payload]
+"""A message of the automata: kind, number, and what it carries."""
 
 
 class _Counter(NamedTuple):
@@ -141,7 +95,6 @@ class _CaptureEventReader:
         self.path = path
         self.writes = [False] * links
         self.contents = MessageContents()
-        self.objects = Objects()
         self.events = EventColumns()
         self.written = [0] * links
         self.counts = [_StreamCounts() for _ in range(links)]
@@ -164,8 +117,10 @@ class _CaptureEventReader:
             if time is not None
             for column, value in _of_client(clients[link])
         )
-        events, end_time = self.events.sorted(clients), Fraction(end - begin)
-        return EventLog(str(self.path), events, Fraction(1), None, end_time, closings, begin, {"kind": _KINDS})
+        numbering = self.contents.objects.numbering(self.contents.counts())
+        events, end_time = self.events.sorted(clients, numbering), Fraction(end - begin)
+        words, constants = {"kind": _KINDS}, constants_of(numbering)
+        return EventLog(str(self.path), events, Fraction(1), None, end_time, closings, begin, words, constants)
 
     def _transmission(self, one: Transmission, begin: int) -> None:
         link = one.link
@@ -188,19 +143,17 @@ class _CaptureEventReader:
             return
         if None in kinds:
             self._reject_damaged(one)
-        for why in self.objects.unspoken(one):
-            self._reject(one, why)
-        for kind, number, detail in self._contents(one):
+        for kind, number, (detail, about) in self._contents(one):
             if one.to_agent and self._is_new(link, kind, number):
                 name = "written_best_effort" if kind == BEST_EFFORT else "written"
-                self.events.add(time, one.packet, name, link, detail or 0, inferred=True)
+                self.events.add(time, one.packet, name, link, detail or 0, inferred=True, about=about)
             sent = len(self.events)
             said = link, detail, int(not one.to_agent), kind, number
-            self.events.add(time, one.packet, "sent", *said, passes=here)
+            self.events.add(time, one.packet, "sent", *said, passes=here, about=about)
             if one.arrivals is None:
-                self.events.add(time, one.packet, "arrived", *said, sent, optional=True, passes=there)
+                self.events.add(time, one.packet, "arrived", *said, sent, optional=True, passes=there, about=about)
             for arrival in one.arrivals or ():
-                self.events.add(arrival.time - begin, arrival.packet, "arrived", *said, sent, passes=there)
+                self.events.add(arrival.time - begin, arrival.packet, "arrived", *said, sent, passes=there, about=about)
 
     def _is_new(self, link: int, kind: str, number: int) -> bool:
         """True if the client has just put a message into its stream; of a best-effort stream nothing is sent again."""
@@ -222,14 +175,14 @@ class _CaptureEventReader:
             if event.kind is SubmessageKind.HEARTBEAT:
                 own = _Counter(one.to_agent, "DATA")
                 last = counts.number(own, _integer(fields["last"]))
-                yield "HEARTBEAT", counts.number(own, _integer(fields["first"])), last + 1
+                yield "HEARTBEAT", counts.number(own, _integer(fields["first"])), Payload(last + 1)
             elif event.kind is SubmessageKind.ACKNACK:
                 start, missing = _integer(fields["first"]), fields["missing"]
                 assert isinstance(missing, list)
                 bitmap = sum(1 << (number - start) % 65536 for number in missing)
-                yield "ACKNACK", counts.number(_Counter(one.to_agent, "ACKNACK"), start), bitmap
+                yield "ACKNACK", counts.number(_Counter(one.to_agent, "ACKNACK"), start), Payload(bitmap)
             elif event.kind is SubmessageKind.GET_INFO and one.to_agent and event.session not in SESSION_IDS_NONE:
-                yield "PING", 0, 0
+                yield "PING", 0, Payload(0)
 
     def _reject_damaged(self, one: Transmission) -> None:
         """Raises UsageError for what the automata have no word for and would take for silence."""
@@ -240,9 +193,9 @@ class _CaptureEventReader:
     def _reject(self, one: Transmission, why: str) -> None:
         raise UsageError(f"{self.path}, packet {one.packet}: this {why}", "tachk monitor judges such captures, too")
 
-    def _payload(self, one: Transmission, number: int) -> int | None:
+    def _payload(self, one: Transmission, number: int) -> Payload:
         try:
-            return self.contents.detail(one, number)
+            return self.contents.payload(one, number)
         except UnknownContentError as error:
             self._reject(one, str(error))
             raise

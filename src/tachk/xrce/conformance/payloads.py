@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 from tachk.recordings.conformance.events import RecordedEvent
 from tachk.xrce.events import SubmessageEvent, events
 from tachk.xrce.messages import Endpoint, one_message
+from tachk.xrce.objects import Objects
 from tachk.xrce.submessages import submessages
 from tachk.xrce.transmission import Transmission
-from tachk.xrce.wire import FIRST_RELIABLE_STREAM, SubmessageKind
+from tachk.xrce.wire import FIRST_RELIABLE_STREAM, OBJECT_KINDS, SubmessageKind
 
 BEST_EFFORT = "BEST_EFFORT"
 """The kind of a message of a best-effort stream."""
-_STATUS, _PIECE, _READ, _READ_BEST_EFFORT, _BATCH = -16, -17, -32, -16384, 1 << 23
+_STATUS, _PIECE, _READ, _READ_BEST_EFFORT = -16, -17, -32, -16384
+BATCH, READER = 1 << 23, 1 << 15
 _UNLIMITED = 65535
 _SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
 """The submessages that a STATUS answers."""
+_LIMITS = (("max_elapsed_seconds", "max_elapsed_time"), ("max_bytes_per_second", "max_bytes_per_second"))
+"""Fields of READ_DATA, as events and as DDS-XRCE call them. 0 is no limit."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
 _NO_ENDPOINT = Endpoint("", 0)
@@ -28,26 +33,50 @@ class UnknownContentError(Exception):
     """The automata have no word for what a message carries; the text says what that is."""
 
 
+class Payload(NamedTuple):
+    """What a message carries.
+
+    Attributes:
+        detail: as the automata have it if they had one topic and one reader a client; None where it is unknown.
+        about: of a sample the number of its topic, of READ_DATA that of the data reader, as of `Objects`; else -1.
+    """
+
+    detail: int | None
+    about: int = -1
+
+
 class MessageContents:
-    """Payloads of messages. Samples are numbered by the order in which they first appear, and known by their bytes.
+    """Payloads of messages. Samples of a topic are numbered by the order in which they first appear, and known by their
+    bytes.
 
     Pieces of a larger message are put together: the last one carries what the whole does.
+
+    Attributes:
+        objects: those that messages have shown so far.
     """
 
     def __init__(self) -> None:
-        self._samples: dict[str, int] = {}
+        self.objects = Objects()
+        self._samples: dict[tuple[int, str], int] = {}
+        self._counts: dict[int, int] = {}
         self._pieces: dict[tuple[int, bool], dict[int, tuple[str, bool]]] = {}
 
-    def detail(self, one: Transmission, number: int) -> int | None:
+    def counts(self) -> list[int]:
+        """The number of different samples of each topic."""
+        return [self._counts.get(topic, 0) for topic in range(max(self._counts, default=0) + 1)]
+
+    def payload(self, one: Transmission, number: int) -> Payload:
         """The payload of the message of a stream that has this number, counted without a wrap.
 
-        None where it is unknown. Raises UnknownContentError.
+        Raises UnknownContentError.
         """
         found = self._whole(one, number)
         if found is None:
-            return None
+            return Payload(None)
         if not found:
-            return _PIECE
+            return Payload(_PIECE)
+        for event in found:
+            self.objects.note(one.link, event)
         answered = sum(event.kind in _ANSWERED for event in found)
         read = [event for event in found if event.kind is SubmessageKind.READ_DATA]
         samples = [event for event in found if event.kind in _SAMPLES]
@@ -60,20 +89,32 @@ class MessageContents:
             kinds = ", ".join(dict.fromkeys(event.kind.name for event in found if event.kind is not None))
             raise UnknownContentError(f"message of a best-effort stream carries {kinds}: the automata expect samples")
         if answered:
-            return -answered
+            return Payload(-answered)
         if read:
-            return _requests(read[0])
+            return Payload(_requests(read[0]), self.objects.reader(one.link, read[0].fields["object"]))
         if samples:
-            return self._batch([str(event.fields["sample"]) for event in samples])
-        return (
-            _STATUS if any(event.kind is SubmessageKind.STATUS for event in found) else _PIECE if one.to_agent else None
-        )
+            return self._batch(one.link, samples)
+        if any(event.kind is SubmessageKind.STATUS for event in found):
+            return Payload(_STATUS)
+        return Payload(_PIECE if one.to_agent else None)
 
-    def _batch(self, samples: Sequence[str]) -> int:
-        numbers = [self._samples.setdefault(sample, len(self._samples)) for sample in samples]
+    def _batch(self, link: int, samples: Sequence[SubmessageEvent]) -> Payload:
+        if samples[0].kind is SubmessageKind.WRITE_DATA:
+            _check_kind(samples[0], "data writer")
+        topics = {self.objects.topic(link, event.fields["object"]) for event in samples}
+        if len(topics) > 1:
+            raise UnknownContentError("message carries samples of several topics: the automata expect one topic")
+        (topic,) = topics
+        numbers = [self._number(topic, str(event.fields["sample"])) for event in samples]
         if any(after != before + 1 for before, after in pairwise(numbers)):
             raise UnknownContentError("message carries several samples, of which some had been written before")
-        return numbers[0] + _BATCH * (len(numbers) - 1)
+        return Payload(numbers[0] + BATCH * (len(numbers) - 1), topic)
+
+    def _number(self, topic: int, sample: str) -> int:
+        known = self._counts.setdefault(topic, 0)
+        number = self._samples.setdefault((topic, sample), known)
+        self._counts[topic] = max(known, number + 1)
+        return number
 
     def _whole(self, one: Transmission, number: int) -> Sequence[SubmessageEvent] | None:
         """The submessages that are complete with this message; None where earlier pieces were not captured."""
@@ -92,6 +133,12 @@ class MessageContents:
 
 def _requests(read: SubmessageEvent) -> int:
     """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
+    for name, called in _LIMITS:
+        if read.fields[name]:
+            raise UnknownContentError(
+                f"READ_DATA has {called} {read.fields[name]}: the automata know READ_DATA with max_samples alone"
+            )
+    _check_kind(read, "data reader")
     count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
     reliable = stream >= FIRST_RELIABLE_STREAM
     code = _READ if reliable else _READ_BEST_EFFORT
@@ -107,9 +154,16 @@ def _requests(read: SubmessageEvent) -> int:
     return code - number
 
 
+def _check_kind(event: SubmessageEvent, wanted: str) -> None:
+    """Raises UnknownContentError for a message of an object of another kind."""
+    kind = OBJECT_KINDS[int(str(event.fields["object"])[-1], 16)]
+    if kind != wanted and event.kind is not None:
+        raise UnknownContentError(f"{event.kind.name} is for a {kind}: the automata know one for a {wanted}")
+
+
 def samples_in(detail: object) -> int:
     """The number of samples of a message."""
-    return detail // _BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
+    return detail // BATCH + 1 if isinstance(detail, int) and detail >= 0 else 1
 
 
 def begins_sample(event: SubmessageEvent) -> bool:

@@ -29,11 +29,13 @@ from tachk.xrce.measuring.quantity import (
 )
 from tachk.xrce.measuring.recorded_settings import SettingsEvidence, recorded_settings
 from tachk.xrce.measuring.settings import LinkDirection, Setting, SettingsFindings, settings
+from tachk.xrce.objects import Numbering, Objects
 from tachk.xrce.packed_transmissions import PackedTransmissions
 from tachk.xrce.packets import CaptureError, Numbers
 from tachk.xrce.transmissions import Capture, read_transmissions
 from tachk.xrce.wire import SubmessageKind
 
+_ABOUT_OBJECTS = frozenset({SubmessageKind.CREATE, SubmessageKind.READ_DATA})
 _DELAYED = 2000.0
 """Milliseconds from the first sample to READ_DATA; what is shorter is set-up."""
 
@@ -194,7 +196,7 @@ class _Measuring:
         clients = max(len(recording.links) for _, recording in self.recordings)
         not_received += sum(unanswered(recording) for _, recording in self.recordings)
         counted = SettingsEvidence(
-            known, by_name, self._samples(), self._longest(), clients, not_received, self._rounds()
+            known, by_name, self._samples(), self._longest(), clients, not_received, self._rounds(), self._numberings()
         )
         recorded = recorded_settings(counted)
         recorded += tuple(input_history(recording for _, recording in self.recordings))
@@ -212,6 +214,9 @@ class _Measuring:
             sent = recording.transmissions
             numbers.append(sent.sequence[(sent.stream > 0) & ~sent.is_reliable])
         return int(max((each.max() for each in numbers if len(each)), default=0)) + 1
+
+    def _numberings(self) -> tuple[Numbering, ...]:
+        return tuple(_numbering(recording.transmissions) for _, recording in self.recordings)
 
     def _rounds(self) -> list[int]:
         """The times at which Agents sent HEARTBEATs."""
@@ -327,6 +332,17 @@ class _Measuring:
                     lost[stop.rows] = False
             count += int(lost.sum())
         return count
+
+
+def _numbering(sent: PackedTransmissions) -> Numbering:
+    """The numbers of topics and data readers, as far as whole messages show them."""
+    objects = Objects()
+    for one in sent.where(to_agent=True, kinds=_ABOUT_OBJECTS):
+        for event in one.events:
+            objects.note(one.link, event)
+            if event.kind is SubmessageKind.READ_DATA:
+                objects.reader(one.link, event.fields["object"])
+    return objects.numbering()
 
 
 def _problems(recording: Capture) -> Iterator[str]:

@@ -12,6 +12,7 @@ from itertools import pairwise
 from tachk.base.records import dataclass
 from tachk.xrce.measuring.quantity import Confidence, Quantity
 from tachk.xrce.measuring.settings import Setting
+from tachk.xrce.objects import Numbering
 
 _OUTSIDE = 50.0
 """Milliseconds after which a client that does not answer is taken to be outside its run function."""
@@ -38,6 +39,7 @@ class SettingsEvidence:
         clients: how many take part in one capture.
         not_received: packets that came to clients while they slept.
         rounds: when the Agent sent HEARTBEATs, in nanoseconds.
+        numberings: the numbers of topics and data readers, of each capture.
     """
 
     quantities: Mapping[str, Quantity]
@@ -47,6 +49,7 @@ class SettingsEvidence:
     clients: int
     not_received: int
     rounds: Sequence[int]
+    numberings: Sequence[Numbering]
 
 
 def recorded_settings(found: SettingsEvidence) -> tuple[Setting, ...]:
@@ -56,10 +59,13 @@ def recorded_settings(found: SettingsEvidence) -> tuple[Setting, ...]:
 
 def _settings(found: SettingsEvidence) -> Iterator[Setting]:
     # a stream of the models has room for 2 * MESSAGES + 16 messages
-    messages = max(found.samples, (found.longest - 15) // 2, 1)
+    # each topic of several has its share of the numbers, and that from which nobody reads the samples of all of them
+    shares = max(each.topics * len(each.of_topics) for each in found.numberings)
+    messages = max(found.samples * shares, (found.longest - 15) // 2, 1)
     how = f"different samples: {found.samples}; messages in the longest stream: {found.longest}"
     yield Setting("MESSAGES", messages, False, Confidence.MEASURED, how)
     yield Setting("CLIENTS", max(found.clients, 1), False, Confidence.MEASURED, "clients in one capture")
+    yield from _objects(found.numberings)
     yield from _client(found)
     for name in ("HISTORY", "AGENT_HEARTBEAT", "DEAD", "AGENT_WINDOW", "KEEP"):
         if name in found.settings:
@@ -74,6 +80,16 @@ def _settings(found: SettingsEvidence) -> Iterator[Setting]:
         yield Setting("SLEEPS", 1, False, Confidence.MEASURED, how)
     else:
         yield from _pauses(found.quantities["client_reaction"], found.quantities["overdue_heartbeat"])
+
+
+def _objects(numberings: Sequence[Numbering]) -> Iterator[Setting]:
+    """Topics and data readers; of several captures together the most, which is right for those that have as many."""
+    topics, readers = max(each.topics for each in numberings), max(each.readers for each in numberings)
+    if readers > 1:
+        how = "topics, those from which nobody reads counted as one"
+        yield Setting("TOPICS", topics, False, Confidence.MEASURED, how)
+        how = "data readers that the automata have for each client, as many for each topic"
+        yield Setting("READERS", readers, False, Confidence.MEASURED, how)
 
 
 def _is_doubtful(setting: Setting) -> bool:

@@ -63,7 +63,6 @@ def test_a_client_goes_on_from_another_address_behind_a_relay() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("two_topics", "packet 145: this sample is of the topic Letters, those before were of Numbers"),
         ("read_for_one_second", "packet 21: this READ_DATA has max_elapsed_time 1"),
         ("read_20_bytes_per_second", "packet 21: this READ_DATA has max_bytes_per_second 20"),
         ("cancel_while_flowing", "packet 109: this READ_DATA has max_samples 0"),
@@ -76,6 +75,15 @@ def test_what_the_automata_do_not_speak_of_is_named(name: str, message: str, com
     assert f"{name}.pcap, {message}" in text
     if "measure" in command:
         assert run("xrce", "measure", capture(name))[0] == 0
+
+
+@pytest.mark.parametrize(("name", "late"), [("two_topics", "5ms"), ("two_readers", "50ms")])
+def test_several_topics_and_readers_are_measured(name: str, late: str) -> None:
+    own = settings(name)
+    assert {"TOPICS=2", "READERS=2"} <= set(own)
+    assert run("conform", MODEL, capture(name), *own, "--late", late)[0] == 0
+    status, text = run("conform", MODEL, capture(name), "-D", "CLIENTS=4")
+    assert status == 2 and "set -D TOPICS=2" in text
 
 
 def test_the_agent_announces_what_its_sender_has_not_sent() -> None:
