@@ -9,6 +9,8 @@ from click.testing import CliRunner
 
 from tachk.cli.main import app
 from tachk.xrce.conformance.packet_events import read_capture
+from tachk.xrce.events import decode
+from tachk.xrce.wire import SubmessageKind
 
 pytestmark = pytest.mark.drawn
 
@@ -116,3 +118,18 @@ def test_a_client_hangs_that_has_fewer_slots_than_a_sample_has_pieces() -> None:
         status, told = run("conform", MODEL, capture("too_many_pieces"), *fixed, *four, *changed)
         assert status == (0 if packet is None else 10), changed
         assert packet is None or f"leaves the model at packet {packet}," in told
+
+
+def test_a_client_forgets_what_it_has_confirmed_when_its_session_is_there() -> None:
+    """STATUS_AGENT comes behind the samples 0 to 4. The Agent has from 5 on, the client lacks 0 to the end."""
+    with Path(capture("forgets_confirmed")).open("rb") as packets:
+        seen = list(decode(packets, [27801]))
+    begun = [place for place, event in enumerate(seen) if event.kind is SubmessageKind.CREATE_CLIENT]
+    assert len(begun) == 3
+    second = seen[begun[1] : begun[2]]
+    there = next(place for place, event in enumerate(second) if event.kind is SubmessageKind.STATUS_AGENT)
+    confirmed = [event.fields["first"] for event in second if event.kind is SubmessageKind.ACKNACK and event.to_agent]
+    assert max(confirmed) == 5 and set(confirmed[-9:]) == {0}
+    held = {event.fields["first"] for event in second[there:] if event.kind is SubmessageKind.HEARTBEAT}
+    assert held == {5}
+    assert any("FARS " in line and "presumably false" in line for line in verdicts("forgets_confirmed")[1])
