@@ -19,8 +19,12 @@ CLIENT = "client"
 _CONSTANTS = {
     "TOPICS": "topics, those from which nobody reads counted as one",
     "READERS": "data readers a client at most, as many for each topic",
+    "READ_SECONDS": "s as max_elapsed_time of READ_DATA",
+    "CANCELS": "kind of READ_DATA for 0 samples",
 }
 """What constants of the automata count that a recording gives."""
+_PLAIN = {"TOPICS": 1, "READERS": 1}
+"""The values of those that are not 0 in a model that does not declare them."""
 
 
 class DdsXrce:
@@ -67,10 +71,11 @@ class DdsXrce:
                 )
         for name, wanted in recording.constants.items():
             known = constants(name)
-            if (1 if known is None else known) != wanted:
+            plain = _PLAIN.get(name, 0)
+            if (plain if known is None else known) != wanted:
                 what = _CONSTANTS[name]
                 raise UsageError(
-                    f"{recording.source} has {wanted} {what}, but the model {1 if known is None else known}",
+                    f"{recording.source} has {wanted} {what}, but the model {plain if known is None else known}",
                     f"set -D {name}={wanted}",
                 )
         if best_effort and constants("BEST_EFFORT_STREAMS") == 0:

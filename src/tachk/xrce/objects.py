@@ -27,6 +27,8 @@ class Numbering:
         of_topics: the topic of the automata of each topic of the capture.
         before: of each topic of the capture how many samples come before its own in that topic of the automata.
         of_readers: the number of each data reader that is read from.
+        seconds: the time to which READ_DATA is limited, where it is.
+        cancels: whether some READ_DATA is for 0 samples.
     """
 
     topics: int
@@ -34,6 +36,8 @@ class Numbering:
     of_topics: tuple[int, ...]
     before: tuple[int, ...]
     of_readers: Mapping[Reader, int]
+    seconds: int = 0
+    cancels: bool = False
 
     @property
     def is_plain(self) -> bool:
@@ -43,7 +47,12 @@ class Numbering:
 
 def constants_of(numbering: Numbering) -> dict[str, int]:
     """Constants of the automata that have these numbers."""
-    return {"TOPICS": numbering.topics, "READERS": numbering.readers}
+    found = {"TOPICS": numbering.topics, "READERS": numbering.readers}
+    if numbering.seconds:
+        found["READ_SECONDS"] = numbering.seconds
+    if numbering.cancels:
+        found["CANCELS"] = 1
+    return found
 
 
 class Objects:
@@ -51,6 +60,9 @@ class Objects:
 
     Topics are numbered by the order in which they appear. An object has the first one where no CREATE was captured,
     and where its CREATE names none.
+
+    Attributes:
+        seconds, cancels: as of a `Numbering`.
     """
 
     def __init__(self) -> None:
@@ -58,6 +70,8 @@ class Objects:
         self._topics: dict[tuple[int, str], str] = {}
         self._numbers: dict[str, int] = {}
         self._readers: dict[int, list[str]] = {}
+        self.seconds = 0
+        self.cancels = False
 
     def note(self, link: int, event: SubmessageEvent) -> None:
         """Notes what a CREATE says of a topic, a data writer or a data reader."""
@@ -81,8 +95,11 @@ class Objects:
         """The number of the topic of a data writer or reader."""
         return self._numbers.get(self._topics.get((link, str(made)), ""), 0)
 
-    def reader(self, link: int, made: object) -> int:
-        """The number of a data reader of the client, from which it reads."""
+    def read(self, link: int, event: SubmessageEvent) -> int:
+        """Notes a READ_DATA. Returns the number of its data reader among those of the client."""
+        made = event.fields["object"]
+        self.seconds = self.seconds or _number(event.fields["max_elapsed_seconds"])
+        self.cancels |= event.fields["max_samples"] == 0
         known = self._readers.setdefault(link, [])
         if str(made) not in known:
             known.append(str(made))
@@ -111,7 +128,11 @@ class Objects:
                 of_readers[link, number] = topic + topics * places[topic]
                 places[topic] += 1
             most = max(most, *places)
-        return Numbering(topics, topics * most, of_topics, tuple(before), of_readers)
+        return Numbering(topics, topics * most, of_topics, tuple(before), of_readers, self.seconds, self.cancels)
+
+
+def _number(field: object) -> int:
+    return field if isinstance(field, int) else 0
 
 
 def _text(octets: bytes) -> str | None:

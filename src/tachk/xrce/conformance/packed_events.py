@@ -119,7 +119,9 @@ class EventColumns:
         first = (first + np.array(numbering.before)[topics]) * numbering.topics
         details[sampled] = more * BATCH + first + np.array(numbering.of_topics)[topics]
         for (link, reader), number in numbering.of_readers.items():
-            details[(about == reader) & (links == link) & (details < 0)] -= READER * number
+            read = np.flatnonzero((about == reader) & (links == link) & (details < 0))
+            form = -details[read] // READER
+            details[read] -= READER * (number + form * (numbering.readers - 1))
         return details
 
 

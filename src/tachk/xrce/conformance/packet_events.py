@@ -170,6 +170,9 @@ class _CaptureEventReader:
             number = counts.number(_Counter(one.to_agent, kind), first.sequence)
             yield kind, number, self._payload(one, number)
             return
+        if not one.to_agent and first.kind is SubmessageKind.DATA:  # outside any stream: nothing has a number
+            yield BEST_EFFORT, 0, self._payload(one, 0)
+            return
         for event in one.events:
             fields = event.fields
             if event.kind is SubmessageKind.HEARTBEAT:

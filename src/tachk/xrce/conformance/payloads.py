@@ -22,8 +22,8 @@ _UNLIMITED = 65535
 _SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
 """The submessages that a STATUS answers."""
-_LIMITS = (("max_elapsed_seconds", "max_elapsed_time"), ("max_bytes_per_second", "max_bytes_per_second"))
-"""Fields of READ_DATA, as events and as DDS-XRCE call them. 0 is no limit."""
+_TIMED, _OUTSIDE, _CANCEL = 1, 2, 4
+"""The forms of READ_DATA."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
 _NO_ENDPOINT = Endpoint("", 0)
@@ -91,7 +91,8 @@ class MessageContents:
         if answered:
             return Payload(-answered)
         if read:
-            return Payload(_requests(read[0]), self.objects.reader(one.link, read[0].fields["object"]))
+            reader = self.objects.read(one.link, read[0])
+            return Payload(_requests(read[0], self.objects.seconds), reader)
         if samples:
             return self._batch(one.link, samples)
         if any(event.kind is SubmessageKind.STATUS for event in found):
@@ -131,27 +132,29 @@ class MessageContents:
         return whole
 
 
-def _requests(read: SubmessageEvent) -> int:
-    """READ_DATA, by how many samples it asks for, and on which kind of stream. Raises UnknownContentError."""
-    for name, called in _LIMITS:
-        if read.fields[name]:
-            raise UnknownContentError(
-                f"READ_DATA has {called} {read.fields[name]}: the automata know READ_DATA with max_samples alone"
-            )
+def _requests(read: SubmessageEvent, seconds: int) -> int:
+    """READ_DATA, by how many samples it asks for, on which stream, and in which form. Raises UnknownContentError.
+
+    Args:
+        seconds: how long READ_DATA may take that is limited in time.
+    """
+    rate, elapsed = read.fields["max_bytes_per_second"], read.fields["max_elapsed_seconds"]
+    if rate:
+        raise UnknownContentError(
+            f"READ_DATA has max_bytes_per_second {rate}: the automata know max_samples and max_elapsed_time"
+        )
+    if elapsed and elapsed != seconds:
+        raise UnknownContentError(
+            f"READ_DATA has max_elapsed_time {elapsed}, one before had {seconds}: the automata know one such time"
+        )
     _check_kind(read, "data reader")
     count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
-    reliable = stream >= FIRST_RELIABLE_STREAM
-    code = _READ if reliable else _READ_BEST_EFFORT
-    if count == _UNLIMITED:
-        return code
-    number = 1 if count is None else int(str(count))
-    if number == 0:
-        raise UnknownContentError(
-            "READ_DATA has max_samples 0, which cancels one before: the automata do not know that"
-        )
-    if stream == 0 or number >= _MOST_READ:
-        raise UnknownContentError(f"READ_DATA asks for {number} samples on stream {stream:02x}, which has no word")
-    return code - number
+    code = _READ if stream >= FIRST_RELIABLE_STREAM else _READ_BEST_EFFORT
+    form = (_TIMED if elapsed else 0) + (0 if stream else _OUTSIDE) + (_CANCEL if count == 0 else 0)
+    number = 1 if count is None else 0 if count == _UNLIMITED else int(str(count))
+    if number >= _MOST_READ:
+        raise UnknownContentError(f"READ_DATA asks for {number} samples: the automata know fewer than {_MOST_READ}")
+    return code - number - READER * form
 
 
 def _check_kind(event: SubmessageEvent, wanted: str) -> None:

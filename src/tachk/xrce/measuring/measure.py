@@ -341,7 +341,7 @@ def _numbering(sent: PackedTransmissions) -> Numbering:
         for event in one.events:
             objects.note(one.link, event)
             if event.kind is SubmessageKind.READ_DATA:
-                objects.reader(one.link, event.fields["object"])
+                objects.read(one.link, event)
     return objects.numbering()
 
 

@@ -90,6 +90,11 @@ def _objects(numberings: Sequence[Numbering]) -> Iterator[Setting]:
         yield Setting("TOPICS", topics, False, Confidence.MEASURED, how)
         how = "data readers that the automata have for each client, as many for each topic"
         yield Setting("READERS", readers, False, Confidence.MEASURED, how)
+    seconds = max(each.seconds for each in numberings)
+    if seconds:
+        yield Setting("READ_SECONDS", seconds, False, Confidence.MEASURED, "max_elapsed_time of READ_DATA")
+    if any(each.cancels for each in numberings):
+        yield Setting("CANCELS", 1, False, Confidence.MEASURED, "some READ_DATA is for 0 samples")
 
 
 def _is_doubtful(setting: Setting) -> bool:

@@ -107,6 +107,11 @@ def created(kind: str, made: str, form: str, description: str) -> SubmessageEven
     return replace(_EVENT, kind=SubmessageKind.CREATE, fields=fields)
 
 
+def read(made: str) -> SubmessageEvent:
+    fields = {"object": made, "max_samples": 65535, "max_elapsed_seconds": 0}
+    return replace(_EVENT, kind=SubmessageKind.READ_DATA, fields=fields)
+
+
 _EVENT = next(
     event
     for one in tachk.xrce.transmissions.read_transmissions(CAPTURES / "two_topics.pcap").transmissions.where()
@@ -120,7 +125,7 @@ def test_topics_that_nobody_reads_are_one() -> None:
         objects.note(0, created("data writer", f"00{number}5", "reference", f"{name}__dw"))
     objects.note(1, created("data reader", "0016", "reference", "C__dr"))
     objects.note(1, created("data reader", "0026", "XML", "<dds><topic><name>C</name></topic></dds>"))
-    assert (objects.reader(1, "0016"), objects.reader(1, "0026"), objects.reader(1, "0016")) == (0, 1, 0)
+    assert (objects.read(1, read("0016")), objects.read(1, read("0026")), objects.read(1, read("0016"))) == (0, 1, 0)
     found = objects.numbering([3, 4, 5, 6])
     assert (found.topics, found.readers) == (2, 4)
     assert (found.of_topics, found.before) == ((1, 1, 0, 1), (0, 3, 0, 7))
