@@ -38,8 +38,11 @@ def named_in_documents() -> list[str]:
             for match in COMMAND.finditer(page.read_text(encoding="utf-8"))
             if match["path"].startswith("models/")
         ]
-    table = re.findall(r"^\| `\w+\.ta` \|.*$", (ROOT / "docs/models.md").read_text(encoding="utf-8"), re.MULTILINE)
-    return found + [f"classics/{row.split('`')[1]} {options}" for row in table for options in OPTION.findall(row)]
+    table = re.findall(
+        r"^\| `([\w/]+\.ta)` (\|.*)$", (ROOT / "docs/models.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    tried = [(name if "/" in name else f"classics/{name}", row) for name, row in table if not name.startswith("lib/")]
+    return found + [f"{name} {options}" for name, row in tried for options in OPTION.findall(row)]
 
 
 TOO_LARGE = {"micro_xrce_dds/client_3_0.ta -D LOSSES=5 --property NIWS_weak --trace none"}

@@ -52,6 +52,11 @@ XRCE: list[tuple[str, dict[str, int], int]] = [
     ("fleet.ta", {"EACH": 1, "LOSSES": 0}, 5),
     ("full_window.ta", {"MESSAGES": 1, "LOSSES": 0}, 4),
     ("read_again.ta", {"MESSAGES": 2, "SLEEPS": 0}, 3),
+    ("fragments.ta", {"PIECES": 1, "MESSAGES": 1, "LOSSES": 0}, 5),
+    ("reconnect.ta", {"RESETS_AGAIN": 1, "OLD": 1}, 4),
+    ("run_returns.ta", {"CALL": 0, "MESSAGES": 1}, 2),
+    ("unlimited_read.ta", {"COUNTED": 0, "LOSSES": 0}, 3),
+    ("wrap.ta", {"LOSSES": 0}, 3),
 ]
 
 
