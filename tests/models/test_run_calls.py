@@ -53,7 +53,7 @@ process Recorder() {{
     }}
 }}
 
-reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST);
+reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST, 0);
 driver = Driver();
 recorder = Recorder();
 system driver, reader, recorder;
@@ -292,7 +292,7 @@ process Topic() {{
 """
     + ANNOUNCED
     + """
-reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST);
+reader = ProxySubscriber(SUB, deliver[SUB_UP], send[SUB_DOWN], FIRST_REQUEST, 0);
 topic = Topic();
 heartbeats = Heartbeats();
 recorder = Recorder();
