@@ -19,8 +19,11 @@ CLIENT = "client"
 _CONSTANTS = {
     "TOPICS": "topics, those from which nobody reads counted as one",
     "READERS": "data readers a client at most, as many for each topic",
+    "LIMITED_READS": "kind of READ_DATA that is limited or cancels",
     "READ_SECONDS": "s as max_elapsed_time of READ_DATA",
     "CANCELS": "kind of READ_DATA for 0 samples",
+    "READ_BYTES": "octets a second as max_bytes_per_second of READ_DATA",
+    "SAMPLE_BYTES": "octets in a sample",
 }
 """What constants of the automata count that a recording gives."""
 _PLAIN = {"TOPICS": 1, "READERS": 1}

@@ -29,6 +29,8 @@ class Numbering:
         of_readers: the number of each data reader that is read from.
         seconds: the time to which READ_DATA is limited, where it is.
         cancels: whether some READ_DATA is for 0 samples.
+        rate: the octets a second to which READ_DATA is limited, where it is.
+        size: the octets of samples on the way to clients; where there are none, from them.
     """
 
     topics: int
@@ -38,6 +40,8 @@ class Numbering:
     of_readers: Mapping[Reader, int]
     seconds: int = 0
     cancels: bool = False
+    rate: int = 0
+    size: int = 0
 
     @property
     def is_plain(self) -> bool:
@@ -48,10 +52,15 @@ class Numbering:
 def constants_of(numbering: Numbering) -> dict[str, int]:
     """Constants of the automata that have these numbers."""
     found = {"TOPICS": numbering.topics, "READERS": numbering.readers}
+    if numbering.seconds or numbering.cancels or numbering.rate:
+        found["LIMITED_READS"] = 1
     if numbering.seconds:
         found["READ_SECONDS"] = numbering.seconds
     if numbering.cancels:
         found["CANCELS"] = 1
+    if numbering.rate:
+        found["READ_BYTES"] = numbering.rate
+        found["SAMPLE_BYTES"] = numbering.size
     return found
 
 
@@ -62,7 +71,8 @@ class Objects:
     and where its CREATE names none.
 
     Attributes:
-        seconds, cancels: as of a `Numbering`.
+        seconds, cancels, rate: as of a `Numbering`.
+        sizes, written_sizes: of samples on the way to clients and from them, in octets.
     """
 
     def __init__(self) -> None:
@@ -72,6 +82,9 @@ class Objects:
         self._readers: dict[int, list[str]] = {}
         self.seconds = 0
         self.cancels = False
+        self.rate = 0
+        self.sizes = set[int]()
+        self.written_sizes = set[int]()
 
     def note(self, link: int, event: SubmessageEvent) -> None:
         """Notes what a CREATE says of a topic, a data writer or a data reader."""
@@ -100,6 +113,7 @@ class Objects:
         made = event.fields["object"]
         self.seconds = self.seconds or _number(event.fields["max_elapsed_seconds"])
         self.cancels |= event.fields["max_samples"] == 0
+        self.rate = self.rate or _number(event.fields["max_bytes_per_second"])
         known = self._readers.setdefault(link, [])
         if str(made) not in known:
             known.append(str(made))
@@ -128,7 +142,17 @@ class Objects:
                 of_readers[link, number] = topic + topics * places[topic]
                 places[topic] += 1
             most = max(most, *places)
-        return Numbering(topics, topics * most, of_topics, tuple(before), of_readers, self.seconds, self.cancels)
+        return Numbering(
+            topics,
+            topics * most,
+            of_topics,
+            tuple(before),
+            of_readers,
+            self.seconds,
+            self.cancels,
+            self.rate,
+            max(self.sizes or self.written_sizes, default=0),
+        )
 
 
 def _number(field: object) -> int:

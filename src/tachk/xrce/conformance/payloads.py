@@ -22,8 +22,10 @@ _UNLIMITED = 65535
 _SAMPLES = (SubmessageKind.WRITE_DATA, SubmessageKind.DATA)
 _ANSWERED = (SubmessageKind.CREATE, SubmessageKind.DELETE)
 """The submessages that a STATUS answers."""
-_TIMED, _OUTSIDE, _CANCEL = 1, 2, 4
+_TIMED, _OUTSIDE, _CANCEL, _RATED = 1, 2, 4, 8
 """The forms of READ_DATA."""
+_FASTEST = 4096
+"""Octets a second: the automata count them one by one."""
 _MOST_CREATED = 15
 _MOST_READ = _READ - _READ_BEST_EFFORT
 _NO_ENDPOINT = Endpoint("", 0)
@@ -92,7 +94,7 @@ class MessageContents:
             return Payload(-answered)
         if read:
             reader = self.objects.read(one.link, read[0])
-            return Payload(_requests(read[0], self.objects.seconds), reader)
+            return Payload(_requests(read[0], self.objects), reader)
         if samples:
             return self._batch(one.link, samples)
         if any(event.kind is SubmessageKind.STATUS for event in found):
@@ -106,6 +108,16 @@ class MessageContents:
         if len(topics) > 1:
             raise UnknownContentError("message carries samples of several topics: the automata expect one topic")
         (topic,) = topics
+        sizes = {len(str(event.fields["sample"])) // 2 for event in samples}
+        if samples[0].kind is SubmessageKind.WRITE_DATA:
+            self.objects.written_sizes |= sizes
+        else:
+            self.objects.sizes |= sizes
+            if self.objects.rate and len(self.objects.sizes) > 1:
+                raise UnknownContentError(
+                    "sample has another size than those before: "
+                    "the automata know one where READ_DATA has max_bytes_per_second"
+                )
         numbers = [self._number(topic, str(event.fields["sample"])) for event in samples]
         if any(after != before + 1 for before, after in pairwise(numbers)):
             raise UnknownContentError("message carries several samples, of which some had been written before")
@@ -132,25 +144,32 @@ class MessageContents:
         return whole
 
 
-def _requests(read: SubmessageEvent, seconds: int) -> int:
+def _requests(read: SubmessageEvent, objects: Objects) -> int:
     """READ_DATA, by how many samples it asks for, on which stream, and in which form. Raises UnknownContentError.
 
     Args:
-        seconds: how long READ_DATA may take that is limited in time.
+        objects: which know the limits of READ_DATA.
     """
     rate, elapsed = read.fields["max_bytes_per_second"], read.fields["max_elapsed_seconds"]
-    if rate:
+    if rate and rate != objects.rate:
         raise UnknownContentError(
-            f"READ_DATA has max_bytes_per_second {rate}: the automata know max_samples and max_elapsed_time"
+            f"READ_DATA has max_bytes_per_second {rate}, one before had {objects.rate}: the automata know one"
         )
-    if elapsed and elapsed != seconds:
+    if isinstance(rate, int) and rate > _FASTEST:
+        raise UnknownContentError(f"READ_DATA has max_bytes_per_second {rate}: the automata know at most {_FASTEST}")
+    if elapsed and elapsed != objects.seconds:
         raise UnknownContentError(
-            f"READ_DATA has max_elapsed_time {elapsed}, one before had {seconds}: the automata know one such time"
+            f"READ_DATA has max_elapsed_time {elapsed}, one before had {objects.seconds}: the automata know one"
         )
     _check_kind(read, "data reader")
     count, stream = read.fields["max_samples"], int(str(read.fields["preferred_stream"]))
     code = _READ if stream >= FIRST_RELIABLE_STREAM else _READ_BEST_EFFORT
-    form = (_TIMED if elapsed else 0) + (0 if stream else _OUTSIDE) + (_CANCEL if count == 0 else 0)
+    form = (
+        (_TIMED if elapsed else 0)
+        + (_RATED if rate else 0)
+        + (0 if stream else _OUTSIDE)
+        + (_CANCEL if count == 0 else 0)
+    )
     number = 1 if count is None else 0 if count == _UNLIMITED else int(str(count))
     if number >= _MOST_READ:
         raise UnknownContentError(f"READ_DATA asks for {number} samples: the automata know fewer than {_MOST_READ}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -342,7 +343,16 @@ def _numbering(sent: PackedTransmissions) -> Numbering:
             objects.note(one.link, event)
             if event.kind is SubmessageKind.READ_DATA:
                 objects.read(one.link, event)
+    if objects.rate:
+        objects.sizes |= _size_of_first(sent, SubmessageKind.DATA)
+        objects.written_sizes |= _size_of_first(sent, SubmessageKind.WRITE_DATA)
     return objects.numbering()
+
+
+def _size_of_first(sent: PackedTransmissions, kind: SubmessageKind) -> set[int]:
+    """The octets of the first sample in a submessage of this kind."""
+    first = islice(sent.where(kinds=frozenset({kind})), 1)
+    return {len(str(event.fields["sample"])) // 2 for one in first for event in one.events if event.kind is kind}
 
 
 def _problems(recording: Capture) -> Iterator[str]:

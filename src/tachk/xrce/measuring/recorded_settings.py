@@ -93,6 +93,10 @@ def _objects(numberings: Sequence[Numbering]) -> Iterator[Setting]:
     seconds = max(each.seconds for each in numberings)
     if seconds:
         yield Setting("READ_SECONDS", seconds, False, Confidence.MEASURED, "max_elapsed_time of READ_DATA")
+    rate, size = max((each.rate, each.size) for each in numberings)
+    if rate:
+        yield Setting("READ_BYTES", rate, False, Confidence.MEASURED, "max_bytes_per_second of READ_DATA")
+        yield Setting("SAMPLE_BYTES", size, False, Confidence.MEASURED, "octets of a sample")
     if any(each.cancels for each in numberings):
         yield Setting("CANCELS", 1, False, Confidence.MEASURED, "some READ_DATA is for 0 samples")
 

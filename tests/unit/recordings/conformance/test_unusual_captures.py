@@ -63,28 +63,18 @@ def test_a_client_goes_on_from_another_address_behind_a_relay() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("read_20_bytes_per_second", "packet 21: this READ_DATA has max_bytes_per_second 20"),
-    ],
-)
-@pytest.mark.parametrize("command", [["conform", MODEL], ["xrce", "measure", "--for", MODEL]])
-def test_what_the_automata_do_not_speak_of_is_named(name: str, message: str, command: list[str]) -> None:
-    status, text = run(*command, capture(name))
-    assert status == 2
-    assert f"{name}.pcap, {message}" in text
-    if "measure" in command:
-        assert run("xrce", "measure", capture(name))[0] == 0
-
-
-@pytest.mark.parametrize(
     ("name", "constant"),
-    [("read_for_one_second", "READ_SECONDS"), ("cancel_while_flowing", "CANCELS"), ("cancel_while_idle", "CANCELS")],
+    [
+        ("read_for_one_second", "READ_SECONDS"),
+        ("read_20_bytes_per_second", "READ_BYTES"),
+        ("cancel_while_flowing", "CANCELS"),
+        ("cancel_while_idle", "CANCELS"),
+    ],
 )
 def test_limits_in_time_and_cancels_are_measured(name: str, constant: str) -> None:
     assert run("conform", MODEL, capture(name), *settings(name), "--late", "5ms")[0] == 0
     status, text = run("conform", MODEL, capture(name))
-    assert status == 2 and f"set -D {constant}=1" in text
+    assert status == 2 and f"set -D {constant}=" in text
 
 
 @pytest.mark.parametrize(("name", "late"), [("two_topics", "5ms"), ("two_readers", "50ms")])
