@@ -60,7 +60,7 @@ def run_mutant_tests(
         report = json.dumps(mutants_to_json(network, suite, model.path, files), indent=2) + "\n"
     else:
         report = mutants_to_text(network, suite, model.path, files)
-    return ExitStatus.UNKNOWN if suite.untried else ExitStatus.AS_EXPECTED, report
+    return ExitStatus.UNKNOWN if suite.untried or suite.is_at_limit else ExitStatus.AS_EXPECTED, report
 
 
 def _scripts(model: TestedModel, suite: CoveringSuite) -> list[Script]:

@@ -66,6 +66,18 @@ def test_without_time_mutants_are_not_tried() -> None:
         assert (status, "not tried, as the time was over" in output) in ((20, True), (0, False)), output
 
 
+def test_a_test_that_a_limit_ended_is_not_survived() -> None:
+    status, output = made(THERMOSTAT, "--max-states", "1")
+    assert status == 20 and "0 of 48" in output and "survived" not in output and "state limit" in output, output
+
+
+def test_a_mutant_that_cannot_receive_an_input_has_no_verdict() -> None:
+    mutants = report(THERMOSTAT)["mutants"]
+    reasons = {each["name"]: each["reason"] for each in mutants if each["result"] == "inconclusive"}
+    assert "cannot receive `reading`" in reasons["Thermostat: Off -> Starting: clocks not set"]
+    assert all(reasons.values())
+
+
 def test_the_model_needs_an_environment() -> None:
     status, output = made(ROOT / "models" / "classics" / "fischer.ta")
     assert status == 2 and "does not say what can be seen" in output

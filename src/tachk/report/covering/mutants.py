@@ -45,6 +45,9 @@ def _lines(network: Network, suite: MutantSuite, model: str, files: Sequence[str
         yield f"equivalent to the system, since no run takes their edge: {grouped(len(suite.equivalent))}"
     names = [mutant_text(network, mutant) for mutant in suite.mutants]
     yield from listed(f"survived {grouped(suite.tests)} tests:", [names[each] for each in suite.survived])
+    yield from listed(
+        "neither killed nor passed by all tests:", [f"{names[each]}: {reason}" for each, reason in suite.inconclusive]
+    )
     yield from listed("cannot stand for the system:", [f"{names[each]}: {reason}" for each, reason in suite.unusable])
     yield from listed("not tried, as the time was over:", [names[each] for each in suite.untried])
 
@@ -57,8 +60,14 @@ def _script_text(network: Network, script: SuiteScript) -> str:
 def mutants_to_json(network: Network, suite: MutantSuite, model: str, files: Sequence[str]) -> dict[str, Any]:
     """One object, as docs/schema/mutant_tests.schema.json describes it."""
     by = {number: place for place, script in enumerate(suite.scripts) for number in script.kills}
-    unusable = dict(suite.unusable)
-    groups = {"killed": by, "equivalent": suite.equivalent, "unusable": unusable, "untried": suite.untried}
+    inconclusive, unusable = dict(suite.inconclusive), dict(suite.unusable)
+    groups = {
+        "killed": by,
+        "equivalent": suite.equivalent,
+        "inconclusive": inconclusive,
+        "unusable": unusable,
+        "untried": suite.untried,
+    }
 
     def row(number: int, mutant: SystemMutant) -> dict[str, Any]:
         result = next((word for word, numbers in groups.items() if number in numbers), "survived")
@@ -67,7 +76,7 @@ def mutants_to_json(network: Network, suite: MutantSuite, model: str, files: Seq
             "operator": mutant.operator.value,
             "result": result,
             "script": by.get(number),
-            "reason": unusable.get(number, ""),
+            "reason": inconclusive.get(number, unusable.get(number, "")),
         }
 
     return {

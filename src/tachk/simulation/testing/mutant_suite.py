@@ -52,7 +52,9 @@ class MutantSuite:
     """Attributes:
     scripts: in the order in which they were found.
     equivalent: the numbers of the mutants that do what the system does: no run takes the edge that they change.
-    survived: of those that no test killed.
+    survived: of those that passed every test.
+    inconclusive: of those that no test killed, with the reason why one has no verdict.
+    is_at_limit: a limit of the search ended one of these tests.
     unusable: of those that cannot stand for a system, with the reason.
     untried: of those for which there was no time.
     tests: how many tests were run.
@@ -62,6 +64,8 @@ class MutantSuite:
     scripts: tuple[SuiteScript, ...]
     equivalent: tuple[int, ...]
     survived: tuple[int, ...]
+    inconclusive: tuple[tuple[int, str], ...]
+    is_at_limit: bool
     unusable: tuple[tuple[int, str], ...]
     untried: tuple[int, ...]
     tests: int
@@ -92,6 +96,8 @@ def mutant_suite(
     search = _MutantSearch(model, settings, [*scripts])
     killed: dict[int, int] = {}
     survived: list[int] = []
+    inconclusive: list[tuple[int, str]] = []
+    is_at_limit = False
     unusable: list[tuple[int, str]] = []
     equivalent = tuple(
         number
@@ -109,8 +115,13 @@ def mutant_suite(
         except StoppedError:
             break
         else:
-            survived += [number] if found is None else []
-            killed |= {} if found is None else {number: found}
+            if found is not None:
+                killed[number] = found
+            elif search.reason:
+                inconclusive.append((number, search.reason))
+                is_at_limit |= search.is_at_limit
+            else:
+                survived.append(number)
         tried = number + 1
     with unhurried():
         found_scripts = tuple(search.suite(killed))
@@ -119,6 +130,8 @@ def mutant_suite(
         found_scripts,
         equivalent,
         tuple(survived),
+        tuple(inconclusive),
+        is_at_limit,
         tuple(unusable),
         tuple(number for number in range(tried, len(mutants)) if number not in equivalent),
         search.tests,
@@ -128,15 +141,20 @@ def mutant_suite(
 class _MutantSearch:
     """Attributes:
     scripts: those found so far.
+    tests: how many tests were run.
+    reason: why the first test of the last mutant without a verdict has none; empty if each has one.
+    is_at_limit: a limit of the search ended one of them.
     """
 
     def __init__(self, model: TestedModel, settings: TestSettings, scripts: list[Script]) -> None:
         self.model, self.settings, self.scripts = model, settings, scripts
         self.tests = 0
+        self.reason, self.is_at_limit = "", False
 
     def script_for(self, mutant: SystemMutant) -> int | None:
         """The number of a script with which the mutant fails; None if none was found. Raises UsageError and
         UnsupportedError where it cannot stand for a system, StoppedError."""
+        self.reason, self.is_at_limit = "", False
         for number, script in enumerate(self.scripts):
             for policy in _POLICIES:
                 if self._fails(mutant, self._inputs(script), self._as_long_as(script), policy) is not None:
@@ -166,9 +184,13 @@ class _MutantSearch:
         self.tests += 1
         system = ModelledSystem(mutant.network, self.model.mapping, self.model.constants, settings.seed, policy)
         run = follow(self.model, system, settings, choice)
-        if run.reason or run.is_as_modelled or confirmed(self.model, run).verdict is not TestVerdict.FAIL:
+        self.is_at_limit |= run.is_at_limit
+        if run.is_as_modelled and not run.reason:
             return None
-        return run.sent
+        result = confirmed(self.model, run)
+        if result.verdict is TestVerdict.INCONCLUSIVE:
+            self.reason = self.reason or result.reason
+        return run.sent if result.verdict is TestVerdict.FAIL else None
 
     def suite(self, killed: dict[int, int]) -> Iterator[SuiteScript]:
         """The scripts that kill a mutant, each with what the model itself does with its inputs."""

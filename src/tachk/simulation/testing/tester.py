@@ -171,6 +171,7 @@ class TestRun:
     Attributes:
         sent: the inputs.
         is_as_modelled: the system did what the model allows.
+        is_at_limit: a limit of the search ended it.
         waited: for a processor, shortly before the end.
     others: as of `TestResult`.
     """
@@ -183,6 +184,7 @@ class TestRun:
     is_as_modelled: bool
     allowed: AllowedNext | None
     reason: str
+    is_at_limit: bool
     overdue: str
     waited: Fraction
     states: int
@@ -298,7 +300,7 @@ class _TestUnderWay:
         self.sent: list[RecordedEvent] = []
         self.waits: list[tuple[Fraction, Fraction]] = []
         self.states = 1
-        self.reason = ""
+        self.reason, self.is_at_limit = "", False
         self.is_as_modelled = True
         self.allowed: AllowedNext | None = None
 
@@ -313,6 +315,7 @@ class _TestUnderWay:
                 self._wait_for_excuse()
         except EstimateLimitError as limit:
             self.reason = f"the states in which the system may be cannot be computed: {limit}"
+            self.is_at_limit = True
         except (SystemEndedError, NotReceivedError) as ended:
             self.reason = str(ended)
 
@@ -410,6 +413,7 @@ class _TestUnderWay:
             self.is_as_modelled,
             self.allowed,
             self.reason,
+            self.is_at_limit,
             self._overdue(),
             self._waited(),
             self.states,

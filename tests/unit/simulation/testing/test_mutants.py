@@ -80,7 +80,7 @@ def test_an_edge_that_an_invariant_blocks_may_be_taken_in_a_mutant() -> None:
         for mutant in system_mutants(model.network, model.loaded.recording, 3)
         if (mutant.process, mutant.edge) in never and mutant.operator.value != "sends nothing"
     ]
-    found = {mutant_text(model.network, each): each.by_taking for each in mutants if not each.detail.startswith("x")}
+    found = {mutant_text(model.network, each): each.same_untaken for each in mutants if not each.detail.startswith("x")}
     assert found == {
         "Lamp: Off -> Shut: other target (Old)": False,
         "Lamp: Off -> Shut: other target (Open)": False,
