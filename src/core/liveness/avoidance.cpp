@@ -8,16 +8,6 @@ using symbolic::Delay;
 using zones::Atom;
 using zones::ConstZoneRef;
 
-void constraints_beyond(const zones::ZoneOperations& operations, int dimension, ConstZoneRef zone, ConstZoneRef other,
-                        std::vector<Atom>& atoms) {
-  for (int j = 0; j < dimension; ++j)
-    for (int i = 0; i < dimension; ++i) {
-      const zones::Raw raw = operations.entry(zone, dimension, i, j);
-      if (i != j && raw < operations.entry(other, dimension, i, j))
-        atoms.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
-    }
-}
-
 Avoidance::Avoidance(symbolic::Semantics& semantics, const zones::ZoneOperations& operations)
     : semantics_(semantics),
       operations_(operations),
@@ -66,8 +56,7 @@ const zones::Federation& Avoidance::after_delay(std::int32_t* slots, ConstZoneRe
 // Either the end has not met the zone, and nothing before it has; or the beginning lies behind the zone, but not in it.
 void Avoidance::avoid_one(ConstZoneRef entry, const std::vector<Atom>& invariant, const std::vector<Atom>& met) {
   operations_.up(met_.get(), dimension_, nullptr);
-  atoms_.clear();
-  constraints_beyond(operations_, dimension_, met_.get(), later_.get(), atoms_);
+  zones::tighter_constraints(operations_, dimension_, met_.get(), later_.get(), atoms_);
   part_.clear();
   part_.add(later_.get());
   part_.subtract(atoms_);
@@ -86,8 +75,7 @@ void Avoidance::avoid_one(ConstZoneRef entry, const std::vector<Atom>& invariant
 void Avoidance::meet() {
   other_.clear();
   for (std::size_t one = 0; one < part_.size(); ++one) {
-    atoms_.clear();
-    constraints_beyond(operations_, dimension_, part_[one], later_.get(), atoms_);
+    zones::tighter_constraints(operations_, dimension_, part_[one], later_.get(), atoms_);
     for (std::size_t piece = 0; piece < result_.size(); ++piece) {
       scratch_.assign(result_[piece]);
       if (operations_.intersect(scratch_.get(), dimension_, atoms_.data(), atoms_.size())) other_.add(scratch_.get());
@@ -110,8 +98,7 @@ const zones::Federation& Avoidance::never_met(ConstZoneRef zone, const std::vect
     const std::vector<Atom>& atoms = avoided[number];
     if (!operations_.intersect(met_.get(), dimension_, atoms.data(), atoms.size())) continue;
     operations_.down(met_.get(), dimension_);
-    atoms_.clear();
-    constraints_beyond(operations_, dimension_, met_.get(), scratch_.get(), atoms_);
+    zones::tighter_constraints(operations_, dimension_, met_.get(), scratch_.get(), atoms_);
     result_.subtract(atoms_);
   }
   return result_;

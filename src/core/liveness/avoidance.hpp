@@ -14,11 +14,6 @@
 
 namespace tachk::liveness {
 
-// The constraints in which a zone is tighter than another one, appended to `atoms`: what they leave of the other one is
-// what both have in common.
-void constraints_beyond(const zones::ZoneOperations& operations, int dimension, zones::ConstZoneRef zone,
-                        zones::ConstZoneRef other, std::vector<zones::Atom>& atoms);
-
 class Avoidance final {
  public:
   Avoidance(symbolic::Semantics& semantics, const zones::ZoneOperations& operations);

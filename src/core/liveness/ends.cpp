@@ -51,8 +51,7 @@ bool Ends::may_be_stuck(ConstZoneRef zone, const zones::Federation& dead) {
   zones::ZoneBuffer common(operations_);
   for (std::size_t part = 0; part < dead.size(); ++part) {
     common.assign(zone);
-    atoms_.clear();
-    constraints_beyond(operations_, dimension_, dead[part], common.get(), atoms_);
+    zones::tighter_constraints(operations_, dimension_, dead[part], common.get(), atoms_);
     if (operations_.intersect(common.get(), dimension_, atoms_.data(), atoms_.size())) return true;
   }
   return false;

@@ -24,6 +24,7 @@ bool depends_on_actions_only(const Program& program) {
 CoveringStore::CoveringStore(symbolic::ZoneGraph& graph, const Options& options)
     : graph_(graph),
       subsumption_(options.subsumption),
+      is_divided_(!graph.program().diagonals.empty()),
       states_(graph.program(), graph.operations(), options, graph.smaller_operations()),
       merging_(options.merging, graph.operations()),
       simulation_(options.alu && options.subsumption && graph.knows_simulation() &&
@@ -52,8 +53,10 @@ std::uint32_t CoveringStore::add(const Successor& successor, std::uint32_t paren
   const states::ZoneView zone = graph_.packed(successor.slots, successor.zone);
   const states::ZoneView merged = merging_.merged(states_, discrete_, zone, first_untouched);
   const ClockBounds bounds = simulation_.is_active() ? graph_.bounds(successor.slots) : ClockBounds{};
-  const std::uint32_t number =
-      states_.add(discrete_, merged, parent, subsumption_, simulation_.is_active() ? &bounds : nullptr);
+  const ClockBounds* const simulating = simulation_.is_active() ? &bounds : nullptr;
+  const std::uint32_t number = subsumption_ && !is_divided_
+                                   ? states_.add_uncovered(discrete_, merged, parent, simulating)
+                                   : states_.add(discrete_, merged, parent, subsumption_, simulating);
   if (number != no_node) merging_.stored(number);
   return number;
 }

@@ -27,7 +27,8 @@ class CoveringStore final {
   bool covers(const symbolic::Successor& successor);
   // The stored state whose zone contains that of a successor; no_node if there is none.
   std::uint32_t coverer(const symbolic::Successor& successor) const;
-  // The number of the new state; no_node if the successor is dropped. States from `first_untouched` on wait.
+  // The number of the new state; no_node if the successor is dropped. To be called only when `covers` has said no of
+  // the successor before it was abstracted. States from `first_untouched` on wait.
   std::uint32_t add(const symbolic::Successor& successor, std::uint32_t parent, std::uint32_t first_untouched);
 
   std::size_t bytes() const { return states_.bytes() + merging_.bytes(); }
@@ -37,6 +38,7 @@ class CoveringStore final {
 
   symbolic::ZoneGraph& graph_;
   bool subsumption_;
+  bool is_divided_;  // a successor may be abstracted to several, which may be covered though it is not
   states::PassedList states_;
   merging::Merging merging_;
   states::AdaptiveCheck simulation_;

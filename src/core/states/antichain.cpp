@@ -11,7 +11,6 @@ using zones::Extent;
 namespace {
 
 constexpr std::size_t largest_leaf = 64;
-constexpr std::size_t most_parts = 32;
 constexpr std::size_t growth = 4;  // so much room for entries is added at a time
 
 int widest_component(const Extent& least, const Extent& most) {

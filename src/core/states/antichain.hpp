@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,9 @@ class Antichain {
   std::size_t size() const { return size_; }
 
  private:
+  static constexpr std::size_t most_parts = 128;
+  static constexpr std::size_t cache_line = 64;
+
   struct Group;
   struct Member {
     ExtentCode code;  // in the grid of its group
@@ -72,9 +76,9 @@ class Antichain {
     std::unique_ptr<Group> group;
   };
   struct Group {
-    ExtentGrid grid;
     std::vector<Member> members;  // of a leaf
     std::vector<Part> parts;      // of an inner group
+    ExtentGrid grid;
 
     bool empty() const { return members.empty() && parts.empty(); }
     std::size_t bytes() const {
@@ -82,29 +86,60 @@ class Antichain {
     }
   };
 
+  // Calls visit(part) for each part of a group that is `in_question`, until it is true of one. Groups lie all over the
+  // memory: they are fetched while the others are looked at.
+  template <class PartOfGroup, class InQuestion, class Visit>
+  static bool any_of_parts(std::span<PartOfGroup> parts, InQuestion in_question, Visit visit) {
+    PartOfGroup* open[most_parts];
+    std::size_t count = 0;
+    for (PartOfGroup& inner : parts) {
+      if (!in_question(inner)) continue;
+      fetch(inner.group.get(), sizeof(Group));
+      open[count++] = &inner;
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      if (n + 1 < count) fetch(open[n + 1]->group->members.data(), 2 * cache_line);
+      if (visit(*open[n])) return true;
+    }
+    return false;
+  }
+
   template <class Accept>
   static bool any_above(const Part& part, const zones::Extent& extent, Accept& accept, std::uint64_t& examined) {
-    examined += part.group->members.size() + part.group->parts.size();
-    const ExtentCode code = part.group->grid.code(extent.nearest(part.least, part.most));
-    for (const Member& member : part.group->members)
+    const Group& group = *part.group;
+    examined += group.members.size() + group.parts.size();
+    if (group.members.empty())
+      return any_of_parts(
+          std::span(group.parts), [&](const Part& inner) { return inner.most.may_include(extent); },
+          [&](const Part& inner) { return any_above(inner, extent, accept, examined); });
+    const ExtentCode code = group.grid.code(extent.nearest(part.least, part.most));
+    for (const Member& member : group.members)
       if (member.code.may_include(code) && accept(member.number)) return true;
-    for (const Part& inner : part.group->parts)
-      if (inner.most.may_include(extent) && any_above(inner, extent, accept, examined)) return true;
     return false;
+  }
+
+  static void fetch(const void* data, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += cache_line) __builtin_prefetch(static_cast<const char*>(data) + at);
   }
 
   // True if something was removed.
   template <class Covered>
   bool remove_below(Part& part, const zones::Extent& extent, Covered& covered) {
     Group& group = *part.group;
-    const ExtentCode code = group.grid.code(extent.nearest(part.least, part.most));
-    std::size_t removed = std::erase_if(
-        group.members, [&](const Member& member) { return code.may_include(member.code) && covered(member.number); });
-    const std::size_t members = removed;
-    for (Part& inner : group.parts)
-      if (extent.may_include(inner.least) && remove_below(inner, extent, covered)) ++removed;
+    std::size_t removed = 0;
+    if (!group.members.empty()) {
+      const ExtentCode code = group.grid.code(extent.nearest(part.least, part.most));
+      removed = std::erase_if(
+          group.members, [&](const Member& member) { return code.may_include(member.code) && covered(member.number); });
+      size_ -= removed;
+    }
+    any_of_parts(
+        std::span(group.parts), [&](const Part& inner) { return extent.may_include(inner.least); },
+        [&](Part& inner) {
+          removed += remove_below(inner, extent, covered);
+          return false;
+        });
     if (removed == 0) return false;
-    size_ -= members;
     std::erase_if(group.parts, [&](const Part& inner) {
       if (!inner.group->empty()) return false;
       bytes_ -= inner.group->bytes();

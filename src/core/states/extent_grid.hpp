@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "zones/extent.hpp"
 
@@ -16,9 +19,14 @@ struct ExtentCode {
   std::uint8_t sums[zones::Extent::count];
 
   bool may_include(const ExtentCode& inner) const {
+#ifdef __SSE2__
+    const __m128i larger = _mm_subs_epu8(inner.lanes(), lanes());
+    return _mm_movemask_epi8(_mm_cmpeq_epi8(larger, _mm_setzero_si128())) == 0xFFFF;
+#else
     const Sums both = inner.all() < all() ? inner.all() : all();
     const auto larger = reinterpret_cast<Words>(both ^ inner.all());
     return (larger[0] | larger[1]) == 0;
+#endif
   }
 
   // The componentwise maximum and minimum with another one.
@@ -27,7 +35,11 @@ struct ExtentCode {
 
  private:
   typedef std::uint8_t Sums __attribute__((vector_size(16)));
+#ifdef __SSE2__
+  __m128i lanes() const { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(sums)); }
+#else
   typedef std::uint64_t Words __attribute__((vector_size(16)));
+#endif
   void put(Sums values) { std::memcpy(sums, &values, sizeof values); }
   Sums all() const {
     Sums result;

@@ -199,17 +199,21 @@ void PassedList::append(std::uint32_t discrete, std::uint32_t number, ZoneView z
 
 std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                               const ClockBounds* bounds) {
+  if (subsumption) return covers(discrete, zone, bounds) ? no_node : add_uncovered(discrete, zone, parent, bounds);
   covered_last_.clear();
-  if (subsumption) {
-    if (covers(discrete, zone, bounds)) return no_node;
-    thin_out(discrete, zone, bounds);
-  }
   const std::uint32_t zone_number = zones_.intern(zone);
-  if (!subsumption && holds(head(discrete), zone, zone_number)) {
+  if (holds(head(discrete), zone, zone_number)) {
     zones_.release(zone_number);
     return no_node;
   }
   return append_node(discrete, zone_number, parent, zone);
+}
+
+std::uint32_t PassedList::add_uncovered(std::uint32_t discrete, ZoneView zone, std::uint32_t parent,
+                                        const ClockBounds* bounds) {
+  covered_last_.clear();
+  thin_out(discrete, zone, bounds);
+  return append_node(discrete, zones_.intern(zone), parent, zone);
 }
 
 std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent,

@@ -70,7 +70,11 @@ class PassedList {
   std::uint32_t add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                     const zones::ClockBounds* bounds = nullptr);
 
-  // The nodes that the last `add` has removed.
+  // The same for a state that is known not to be covered, with subsumption.
+  std::uint32_t add_uncovered(std::uint32_t discrete, ZoneView zone, std::uint32_t parent,
+                              const zones::ClockBounds* bounds = nullptr);
+
+  // The nodes that the last of these has removed.
   const std::vector<std::uint32_t>& covered_last() const { return covered_last_; }
 
   // From now on the nodes with numbers from `first` to `last`, without it, are not covered by others.

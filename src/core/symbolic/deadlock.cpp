@@ -56,7 +56,7 @@ void DeadlockFinder::add(zones::ConstZoneRef guarded, const std::vector<zones::A
     dead_.clear();
     deferred_.clear();
   } else {
-    find_cuts();
+    zones::tighter_constraints(operations_, dimension_, possible_.get(), whole_.get(), cuts_);
     if (dead_.size() > most_pieces)
       deferred_.push_back(cuts_);
     else
@@ -66,16 +66,6 @@ void DeadlockFinder::add(zones::ConstZoneRef guarded, const std::vector<zones::A
   possible_.assign(whole_.get());
   if (delay_ == Delay::partial || operations_.intersect(possible_.get(), dimension_, cuts_.data(), cuts_.size()))
     live_.add(possible_.get());
-}
-
-// Upper bounds come first: with them many of the differences follow, and subtracting those leaves nothing.
-void DeadlockFinder::find_cuts() {
-  for (int j = 0; j < dimension_; ++j)
-    for (int i = 0; i < dimension_; ++i) {
-      const zones::Raw raw = operations_.entry(possible_.get(), dimension_, i, j);
-      if (i != j && raw < operations_.entry(whole_.get(), dimension_, i, j))
-        cuts_.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), raw});
-    }
 }
 
 // Piece by piece, so that a piece that any of the actions covers is gone before others cut it up.

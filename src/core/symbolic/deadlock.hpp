@@ -46,7 +46,6 @@ class DeadlockFinder {
   const zones::Federation& live() const { return live_; }
 
  private:
-  void find_cuts();
   // Subtracts the actions that were deferred.
   void settle();
   // Whether the conjunction of some cuts covers a part of the whole zone, or meets it.

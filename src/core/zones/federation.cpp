@@ -6,6 +6,12 @@
 
 namespace tachk::zones {
 
+void tighter_constraints(const ZoneOperations& operations, int dimension, ConstZoneRef zone, ConstZoneRef other,
+                         std::vector<Atom>& atoms) {
+  atoms.resize(static_cast<std::size_t>(dimension) * static_cast<std::size_t>(dimension));
+  atoms.resize(operations.tighter(zone, other, dimension, atoms.data()));
+}
+
 void Federation::add(ConstZoneRef zone) {
   if (count_ == zones_.size()) zones_.emplace_back(operations_);
   zones_[count_++].assign(zone);

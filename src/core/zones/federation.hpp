@@ -9,6 +9,11 @@
 
 namespace tachk::zones {
 
+// The constraints of a zone that are tighter than those of another one, upper bounds of clocks first: with them many of
+// the differences follow, and subtracting those leaves nothing. They take the place of what is in `atoms`.
+void tighter_constraints(const ZoneOperations& operations, int dimension, ConstZoneRef zone, ConstZoneRef other,
+                         std::vector<Atom>& atoms);
+
 class Federation {
  public:
   Federation(const ZoneOperations& operations, int dimension) : operations_(operations), dimension_(dimension) {}

@@ -83,6 +83,9 @@ struct ZoneOperations {
   Extent (*extent)(ConstZoneRef zone, int dimension, const ExtentScale& scale);
   // Reads entry (i, j); infinity is reported as `unbounded_entry`.
   Raw (*entry)(ConstZoneRef zone, int dimension, int i, int j);
+  // Writes the constraints of a zone that are tighter than those of another one, upper bounds of clocks first; how many
+  // there are. `atoms` has room for dimension * dimension.
+  std::size_t (*tighter)(ConstZoneRef zone, ConstZoneRef other, int dimension, Atom* atoms);
   // The part of a zone that `count` clocks, in ascending order and 0 first, have in common, as a zone of that
   // dimension.
   void (*gather)(ZoneRef target, ConstZoneRef zone, int dimension, const std::uint16_t* clocks, int count, int length);

@@ -192,6 +192,11 @@ struct CheckedKernel : Kernel<T, Stride> {
     TACHK_EXPECT(canonical(zone, dimension));
     return K::hash(zone, dimension);
   }
+  static std::size_t tighter(ConstZoneRef zone, ConstZoneRef other, int dimension, Atom* atoms) {
+    TACHK_EXPECT(canonical(zone, dimension));
+    TACHK_EXPECT(canonical(other, dimension));
+    return K::tighter(zone, other, dimension, atoms);
+  }
   static Raw largest_entry(ConstZoneRef zone, int dimension) {
     TACHK_EXPECT(canonical(zone, dimension));
     return K::largest_entry(zone, dimension);

@@ -501,6 +501,24 @@ struct Kernel {
     return value == infinity ? unbounded_entry : Raw{value};
   }
 
+  static std::size_t tighter(ConstZoneRef zone, ConstZoneRef other, int dimension, Atom* atoms) {
+    std::size_t count = 0;
+    const auto compare = [&](int i, int j) {
+      const T value = row(zone, dimension, i)[j];
+      if (value < row(other, dimension, i)[j])
+        atoms[count++] = {static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), Raw{value}};
+    };
+    for (int i = 1; i < dimension; ++i) compare(i, 0);
+    for (int i = 0; i < dimension; ++i)
+      for (int v = 0; v < vectors(dimension); ++v) {
+        if (!any(vector(row(zone, dimension, i), v) < vector(row(other, dimension, i), v))) continue;
+        const int end = dimension < (v + 1) * lanes ? dimension : (v + 1) * lanes;
+        for (int j = v == 0 ? 1 : v * lanes; j < end; ++j)
+          if (i != j) compare(i, j);
+      }
+    return count;
+  }
+
   static Raw largest_entry(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension);
     Vector largest{};
@@ -796,6 +814,7 @@ struct Table {
     table.stays = K::stays;
     table.sum_up = K::sum_up;
     table.largest_entry = K::largest_entry;
+    table.tighter = K::tighter;
     table.extent = K::extent;
     table.entry = K::entry;
     table.set_bound = K::set_bound;

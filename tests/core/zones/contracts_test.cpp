@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "check.hpp"
 #include "zones/zone.hpp"
@@ -72,6 +73,8 @@ void check_operations(Sample& broken) {
   fires([&] { ops.extrapolate_max(zone, dimension, bounds.get()); });
   fires([&] { ops.hash(zone, dimension); });
   fires([&] { ops.largest_entry(zone, dimension); });
+  std::vector<Atom> atoms(dimension * dimension);
+  fires([&] { ops.tighter(zone, zone, dimension, atoms.data()); });
   fires([&] { ops.gather(part.get(), zone, dimension, clocks, 3, ops.stride); });
   fires([&] { ops.scatter(part.get(), zone, dimension, clocks, 3, ops.stride); });
 }

@@ -172,6 +172,21 @@ void check_parts(const Zone& zone, tachk::zones::Width width, bool vector, std::
       CHECK(part.ops.entry(part.data, count, i, j) == tachk::zones::unbounded_entry);
 }
 
+// The constraints that are tighter than those of another zone: what they leave of it is what both have in common.
+void check_tighter(const Zone& zone, const Matrix& matrix, const Zone& other, const Matrix& other_matrix) {
+  std::vector<Atom> atoms(static_cast<std::size_t>(zone.n * zone.n));
+  atoms.resize(zone.ops.tighter(zone.data, other.data, zone.n, atoms.data()));
+  std::size_t expected = 0;
+  for (int i = 0; i < zone.n; ++i)
+    for (int j = 0; j < zone.n; ++j) expected += matrix.at(i, j) < other_matrix.at(i, j) ? 1 : 0;
+  CHECK(atoms.size() == expected);
+  CHECK(std::ranges::is_partitioned(atoms, [](const Atom& atom) { return atom.right == 0; }));
+  for (const Atom& atom : atoms) {
+    CHECK(std::int64_t{atom.raw} == matrix.at(atom.left, atom.right));
+    CHECK(std::int64_t{atom.raw} < other_matrix.at(atom.left, atom.right));
+  }
+}
+
 // Clocks in another order: any, and all moved on by some, as the processes of a ring are.
 void check_order(const Zone& zone, int moved, std::mt19937& random) {
   std::vector<std::uint16_t> sources(static_cast<std::size_t>(zone.n));
@@ -308,6 +323,7 @@ void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int
     const tachk::zones::Extent extent = ops.extent(zone.data, n, scale);
     const tachk::zones::Extent other_extent = ops.extent(other_zone.data, n, scale);
     CHECK(ops.largest_entry(zone.data, n) == matrix.largest_entry());
+    check_tighter(zone, matrix, other_zone, other_matrix);
     if (matrix.includes(other_matrix)) CHECK(extent.may_include(other_extent));
     if (other_matrix.includes(matrix)) CHECK(other_extent.may_include(extent));
     const bool same = zone.equals(other_matrix);
