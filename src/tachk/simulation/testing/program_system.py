@@ -102,10 +102,11 @@ class StreamedProgram:
         return SystemEndedError(f"{self.command[0]} has ended {how}")
 
     def waited(self) -> int:
-        """Nanoseconds for which its threads, and the one that reads from it, were ready and had no processor, and for
-        which a host has taken processors from this machine."""
+        """Nanoseconds for which its threads, the one that reads from it, and the one that asks, which sends inputs,
+        were ready and had no processor, and for which a host has taken processors from this machine."""
         if self.process is not None and self._reader is not None:
-            tasks = [f"/proc/self/task/{self._reader.native_id}", *glob(f"/proc/{self.process.pid}/task/*")]
+            own = {self._reader.native_id, threading.get_native_id()}
+            tasks = [*(f"/proc/self/task/{each}" for each in own), *glob(f"/proc/{self.process.pid}/task/*")]
             self._waited = max(sum(map(_waited, tasks)) + _stolen(), self._waited)
         return self._waited
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+import threading
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -21,6 +22,7 @@ from tachk.model.timestamp_uncertainty import TimestampUncertainty
 from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.event_tables import event_rows
 from tachk.recordings.conformance.events import RecordedEvent
+from tachk.simulation.testing import program_system
 from tachk.simulation.testing.goals import TestGoal
 from tachk.simulation.testing.input_choice import ScriptedInputs
 from tachk.simulation.testing.modelled_system import ModelledSystem
@@ -286,6 +288,18 @@ def test_time_for_which_a_program_waits_is_counted() -> None:
     assert 0 < first <= system.waited()
     system.close()
     assert system.waited() >= first, "it has ended"
+
+
+def test_time_for_which_the_test_itself_waits_is_counted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: set[str] = set()
+    monkeypatch.setattr(program_system, "_waited", lambda task: asked.add(task) or 0)
+    system = RealTimeProgram([sys.executable, str(DRIVEN), "1"], Fraction(1))
+    system.start()
+    system.waited()
+    system.close()
+    assert f"/proc/self/task/{threading.get_native_id()}" in asked
 
 
 @pytest.mark.parametrize("faulty", [False, True])
