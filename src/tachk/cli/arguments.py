@@ -103,12 +103,20 @@ def parse_definitions(definitions: Iterable[str]) -> dict[str, str]:
 
 
 def parse_lateness(values: Iterable[str]) -> dict[str, str]:
-    """Durations by ``input`` and ``output``, of texts such as ``input=1ms``, or ``20ms`` for both. The last text that
-    is about one of them counts."""
+    """Durations by ``input`` and ``output``, of texts such as ``input=1ms``, or ``20ms`` for both.
+
+    Raises UsageError where a direction is given twice.
+    """
     result: dict[str, str] = {}
     for value in values:
         name, named, amount = value.rpartition("=")
-        result |= {name.strip(): amount} if named else {"input": amount, "output": amount}
+        new = {name.strip(): amount} if named else {"input": amount, "output": amount}
+        if twice := result.keys() & new.keys():
+            raise UsageError(
+                f"--late gives the lateness of {' and '.join(f'{each}s' for each in sorted(twice))} twice",
+                "give it once: --late 20ms, or --late input=1ms --late output=20ms",
+            )
+        result |= new
     return result
 
 

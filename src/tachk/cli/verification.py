@@ -118,8 +118,12 @@ def _check_all(
         raise UsageError("--certificate names one file, but there are several models")
     if request.certificate is not None and not request.certificate.parent.is_dir():
         raise UsageError(f"there is no folder {request.certificate.parent} for the certificate", "make it first")
-    if request.chart is not None and len(models) > 1:
-        raise UsageError("--chart names one file, but there are several models")
+    if request.chart is not None:
+        from tachk.cli.commands.chart import check_chart_file
+
+        check_chart_file(request.chart)
+        if len(models) > 1:
+            raise UsageError("--chart names one file, but there are several models")
     if request.munta is not None and len(models) > 1:
         raise UsageError("--munta names the folder of one model, but there are several models")
     if request.munta is not None:
