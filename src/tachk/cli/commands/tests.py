@@ -20,6 +20,8 @@ from tachk.engine.options import Limits
 
 if TYPE_CHECKING:
     from tachk.api.model import Model
+    from tachk.model.network import Network
+    from tachk.model.run import TimedTrace
     from tachk.verify.covering.suite import CoveringSuite
 
 _STATES = 200_000
@@ -167,6 +169,8 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
         heading = [f"a run of {Path(arguments.model).name}, {number} of {len(suite.runs)}"]
         write_whole(folder / run, run_text(names, each.run, heading, constants))
         files.append([run])
+        if "LINKS" in model.constants:
+            _write_proxy_script(folder, model.network, each.run, f"{stem}-{number}.rules", run)
         if mapping is not None and mapping.visible:
             recording = f"{stem}-{number}.jsonl"
             limits = Limits(states=arguments.states or _STATES, seconds=arguments.seconds)
@@ -189,6 +193,17 @@ def _write(arguments: SuiteArguments, folder: Path, model: Model, suite: Coverin
     )
     write_whole(folder / "test_cover.py", text)
     return files
+
+
+def _write_proxy_script(folder: Path, network: Network, run: TimedTrace, script: str, name: str) -> None:
+    """Writes what the links of the model do in a run, unless its messages are no packets of DDS-XRCE."""
+    from tachk.base.whole_files import write_whole
+    from tachk.cli.proxy_scripts import proxy_script
+
+    try:
+        write_whole(folder / script, proxy_script(network, run, name))
+    except UsageError as error:
+        print(f"{folder / script}: not written: {error}", file=sys.stderr)
 
 
 _NOTING = "cannot_be_covered.ta"

@@ -9,7 +9,7 @@ message of a client that gets samples is taken for READ_DATA, that of another on
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Final
 
 from tachk.base.diagnostics.diagnostic import UsageError
@@ -77,7 +77,16 @@ def read_run(document: object, name: str, prop: str | None = None) -> ModelRun:
 
     Raises UsageError for what is no such report, or has no message.
     """
-    constants, trace = _trace(document, name, prop)
+    return run_of_trace(*_trace(document, name, prop), name)
+
+
+def run_of_trace(constants: Mapping[str, int], trace: Sequence[Mapping[str, Any]], name: str) -> ModelRun:
+    """The packets of a run, from its states as reports have them. Raises UsageError where it has no message.
+
+    Args:
+        constants: of the model.
+        name: what messages call it.
+    """
     decoder = _RunDecoder(constants)
     for state in trace:
         transition = state.get("transition")
