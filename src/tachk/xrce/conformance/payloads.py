@@ -102,8 +102,9 @@ class MessageContents:
         return Payload(_PIECE if one.to_agent else None)
 
     def _batch(self, link: int, samples: Sequence[SubmessageEvent]) -> Payload:
-        if samples[0].kind is SubmessageKind.WRITE_DATA:
-            _check_kind(samples[0], "data writer")
+        for event in samples:
+            if event.kind is SubmessageKind.WRITE_DATA:
+                _check_kind(event, "data writer")
         topics = {self.objects.topic(link, event.fields["object"]) for event in samples}
         if len(topics) > 1:
             raise UnknownContentError("message carries samples of several topics: the automata expect one topic")
@@ -178,9 +179,10 @@ def _requests(read: SubmessageEvent, objects: Objects) -> int:
 
 def _check_kind(event: SubmessageEvent, wanted: str) -> None:
     """Raises UnknownContentError for a message of an object of another kind."""
-    kind = OBJECT_KINDS[int(str(event.fields["object"])[-1], 16)]
+    made = str(event.fields["object"])
+    kind = OBJECT_KINDS.get(int(made[-1], 16), "object")
     if kind != wanted and event.kind is not None:
-        raise UnknownContentError(f"{event.kind.name} is for a {kind}: the automata know one for a {wanted}")
+        raise UnknownContentError(f"{event.kind.name} is for the {kind} {made}: the automata know one for a {wanted}")
 
 
 def samples_in(detail: object) -> int:

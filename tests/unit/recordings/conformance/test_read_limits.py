@@ -118,7 +118,8 @@ def test_a_sample_larger_than_the_limit_is_never_sent() -> None:
         ({"max_bytes_per_second": 4097}, "max_bytes_per_second 4097: the automata know at most 4096"),
         ({"max_bytes_per_second": 30}, "max_bytes_per_second 30, one before had 20"),
         ({"max_elapsed_seconds": 3}, "max_elapsed_time 3, one before had 2"),
-        ({"object": "0018"}, "READ_DATA is for a replier: the automata know one for a data reader"),
+        ({"object": "0018"}, "READ_DATA is for the replier 0018: the automata know one for a data reader"),
+        ({"object": "0010"}, "READ_DATA is for the object 0010: the automata know one for a data reader"),
     ],
 )
 def test_what_the_automata_do_not_speak_of_is_named(limits: dict[str, int | str], message: str) -> None:
