@@ -59,6 +59,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("verify m.ta x=1..3", "'x=1..3' is not a query", "-D x=1..3"),
         ("sweep m.ta --over N=1..2 M=1..3", "'M=1..3' is not a query", "--over M=1..3"),
         ("chart m.ta -o c.svg", "m.ta is a model; a chart shows a run of it", "tachk verify m.ta --format json"),
+        ("verify m.ta --chart nowhere/x.svg", "there is no folder nowhere for the chart", "make it first"),
         ("verify m.ta --chart x.txt", "x.txt: charts are written as .svg or .png", "ending"),
         ("conform r.ta x.pcap --late 3ms --late output=4ms", "--late gives the lateness of outputs twice", "once"),
         ("test r.ta --simulate r.ta --late input=3ms --late input=4ms", "--late gives the lateness of inputs", ""),

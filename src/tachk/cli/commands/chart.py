@@ -147,6 +147,8 @@ def check_chart_file(output: Path) -> None:
     """Raises UsageError where a chart cannot be written to a file of this name."""
     if output.suffix.lower() not in (".svg", ".png"):
         raise UsageError(f"{output}: charts are written as .svg or .png", "the ending of the name decides")
+    if not output.parent.is_dir():
+        raise UsageError(f"there is no folder {output.parent} for the chart", "make it first")
 
 
 def write_chart(chart: Chart, output: Path, axis: TimeAxis) -> None:
