@@ -119,6 +119,10 @@ class Objects:
             known.append(str(made))
         return known.index(str(made))
 
+    def has_several_sizes(self) -> bool:
+        """True if samples differ in size, also those that a limit in octets holds up."""
+        return len(self.sizes | self.written_sizes) > 1
+
     def numbering(self, samples: Iterable[int] = ()) -> Numbering:
         """The numbers in the automata: topics from which nobody reads are one topic of them.
 

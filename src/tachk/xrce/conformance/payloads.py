@@ -110,15 +110,13 @@ class MessageContents:
             raise UnknownContentError("message carries samples of several topics: the automata expect one topic")
         (topic,) = topics
         sizes = {len(str(event.fields["sample"])) // 2 for event in samples}
-        if samples[0].kind is SubmessageKind.WRITE_DATA:
-            self.objects.written_sizes |= sizes
-        else:
-            self.objects.sizes |= sizes
-            if self.objects.rate and len(self.objects.sizes) > 1:
-                raise UnknownContentError(
-                    "sample has another size than those before: "
-                    "the automata know one where READ_DATA has max_bytes_per_second"
-                )
+        known = self.objects.written_sizes if samples[0].kind is SubmessageKind.WRITE_DATA else self.objects.sizes
+        known |= sizes
+        if self.objects.rate and self.objects.has_several_sizes():
+            raise UnknownContentError(
+                "sample has another size than those before: "
+                "the automata know one where READ_DATA has max_bytes_per_second"
+            )
         numbers = [self._number(topic, str(event.fields["sample"])) for event in samples]
         if any(after != before + 1 for before, after in pairwise(numbers)):
             raise UnknownContentError("message carries several samples, of which some had been written before")
@@ -155,6 +153,10 @@ def _requests(read: SubmessageEvent, objects: Objects) -> int:
     if rate and rate != objects.rate:
         raise UnknownContentError(
             f"READ_DATA has max_bytes_per_second {rate}, one before had {objects.rate}: the automata know one"
+        )
+    if rate and objects.has_several_sizes():
+        raise UnknownContentError(
+            f"READ_DATA has max_bytes_per_second {rate} beside samples of several sizes: the automata know one"
         )
     if isinstance(rate, int) and rate > _FASTEST:
         raise UnknownContentError(f"READ_DATA has max_bytes_per_second {rate}: the automata know at most {_FASTEST}")

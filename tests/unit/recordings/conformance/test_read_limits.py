@@ -137,6 +137,22 @@ def test_what_the_automata_do_not_speak_of_is_named(limits: dict[str, int | str]
         contents.payload(one, 1)
 
 
+@pytest.mark.parametrize("limited_first", [True, False])
+def test_a_sample_of_another_size_that_was_never_sent_is_named(limited_first: bool) -> None:
+    found = list(tachk.xrce.transmissions.read_transmissions(CAPTURES / "limit_too_small.pcap").transmissions.where())
+    read = next(one for one in found if one.events[0].kind is SubmessageKind.READ_DATA)
+    first, second = [one for one in found if one.events[0].kind is SubmessageKind.WRITE_DATA][:2]
+    event = second.events[0]
+    smaller = replace(event, fields={**event.fields, "sample": str(event.fields["sample"])[:32]})
+    shorter = ReadTransmission(second.link, True, second.sent, second.packet, second.arrivals, (smaller,))
+    contents = MessageContents()
+    order = (read, first, shorter) if limited_first else (first, shorter, read)
+    for one in order[:2]:
+        contents.payload(one, 0)
+    with pytest.raises(UnknownContentError, match=r"another size than|20 beside samples of several sizes"):
+        contents.payload(order[2], 0)
+
+
 def test_a_cancel_ends_what_does_not_flow() -> None:
     recording = capture("cancel_while_idle")
     assert recording.constants["CANCELS"] == 1 and not outside_streams(recording)
