@@ -1,4 +1,4 @@
-"""Whether rows of zones are held once each or not: the same states, runs and numbers, in less memory."""
+"""However zones are held, whole, in rows or reduced: the same states, runs and numbers, in less memory."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import tachk
 from tachk.base.resources import data_root
 from tachk.engine.compiler.lower import lower
-from tachk.engine.options import Extrapolation, Limits, Options, SearchOrder
+from tachk.engine.options import BoundScope, Extrapolation, Limits, Options, SearchOrder
 from tachk.engine.outcome import Outcome
 from tachk.engine.zone import explore
 from tachk.model.random_networks import RandomCase, Shape, random_case
@@ -18,7 +18,7 @@ from tests.support.seeds import enough, seeds
 
 pytestmark = pytest.mark.drawn
 
-WHOLE = Options(rows_after=2**32 - 1).off("local-times")
+WHOLE = Options(rows_after=2**32 - 1, reduced_after=2**32 - 1).off("local-times")
 SHAPES = (
     Shape(groups=2, clocks=3, processes=3, locations=4),
     Shape(groups=2, clocks=2, processes=2, locations=4, diagonals=True),
@@ -50,6 +50,28 @@ def test_random_networks() -> None:
             assert searched(case, replace(options, rows_after=rows_after)) == whole, f"seed {seed}"
         large += whole.statistics.states_stored > 20
     assert enough(large > 20)
+
+
+MANY_CLOCKS = (
+    Shape(clocks=10, processes=3, locations=5),
+    Shape(clocks=14, processes=2, locations=6, diagonals=True),
+    Shape(clocks=22, processes=3, locations=5),
+    Shape(clocks=22, processes=4, locations=4, stopwatches=True),
+    Shape(clocks=30, processes=2, locations=6),
+)
+
+
+def test_reduced_form() -> None:
+    reduced = 0
+    for seed in seeds(range(40)):
+        case = random_case(Random(seed), MANY_CLOCKS[seed % len(MANY_CLOCKS)])
+        options = replace(VARIANTS[seed % len(VARIANTS)], pack_clocks=2**32 - 1, bounds=BoundScope.GLOBAL)
+        whole = searched(case, options)
+        for reduced_after in (0, 20):
+            assert searched(case, replace(options, reduced_after=reduced_after)) == whole, f"seed {seed}"
+        program, _ = lower(case.network, case.predicates)
+        reduced += whole.statistics.states_stored > 20 and program.clocks >= 8
+    assert enough(reduced > 3)
 
 
 def bytes_a_state(model: str, query: str, size: int, options: Options) -> float:

@@ -113,6 +113,7 @@ def test_the_core_takes_every_option_but_those_for_the_network_by_its_name() -> 
         partial_order=True,
         chunk_words=2**16,
         rows_after=2**32 - 1,
+        reduced_after=2**32 - 1,
         proof_after=2**32 - 1,
     ).off("alu", "merging", "pruning", "attempts")
     usual, taken = core_options(Options()), core_options(changed)

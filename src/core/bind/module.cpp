@@ -115,7 +115,8 @@ void bind_options(nb::module_& m) {
       .def_rw("proof_after", &Options::proof_after)
       .def_rw("attempts", &Options::depth_first)
       .def_rw("chunk_words", &Options::chunk_words)
-      .def_rw("rows_after", &Options::rows_after);
+      .def_rw("rows_after", &Options::rows_after)
+      .def_rw("reduced_after", &Options::reduced_after);
   nb::class_<Limits>(m, "Limits")
       .def(nb::init<>())
       .def_rw("states", &Limits::states)

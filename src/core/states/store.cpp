@@ -22,7 +22,7 @@ ZoneOperations with_shorter_vectors(ZoneOperations operations, bool shorter) {
 PassedList::PassedList(const program::Program& program, const ZoneOperations& zones, const StoreOptions& options,
                        const std::vector<ZoneOperations>& smaller)
     : dimension_(program.dimension()),
-      zones_(zones, dimension_, smaller, options.rows_after),
+      zones_(zones, dimension_, smaller, {options.rows_after, options.reduced_after}),
       buffer_(zones),
       reclaim_(options.reclaim),
       scale_(with_shorter_vectors(zones, !smaller.empty()), dimension_),
@@ -30,6 +30,11 @@ PassedList::PassedList(const program::Program& program, const ZoneOperations& zo
       nodes_(sizeof(Node)) {}
 
 std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) const {
+  Measured measured(*this, zone);
+  return coverer(discrete, measured, bounds);
+}
+
+std::uint32_t PassedList::coverer(std::uint32_t discrete, Measured& zone, const ClockBounds* bounds) const {
   const std::uint32_t first = head(discrete);
   std::uint32_t found = no_node;
   const auto accept = [&](std::uint32_t number) {
@@ -38,7 +43,7 @@ std::uint32_t PassedList::coverer(std::uint32_t discrete, ZoneView zone, const C
     return true;
   };
   if (is_long(first))
-    chain(first).any_above(bounds == nullptr ? extent_of(zone) : zones::Extent::below_all(), accept, examined_);
+    chain(first).any_above(bounds == nullptr ? zone.extent() : zones::Extent::below_all(), accept, examined_);
   else
     for (std::uint32_t number = first; number != no_node && !accept(number);) number = next(number);
   return found;
@@ -105,7 +110,7 @@ void PassedList::cover(std::uint32_t number, std::uint32_t discrete) {
   node.zone |= mark;
 }
 
-void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBounds* bounds) {
+void PassedList::thin_out(std::uint32_t discrete, Measured& zone, const ClockBounds* bounds) {
   std::uint32_t& head = this->head(discrete);
   if (!is_long(head)) {
     std::uint32_t before = no_node;
@@ -127,7 +132,7 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
   }
   Antichain& members = chain(head);
   chain_bytes_ -= members.bytes();
-  members.remove_below(bounds == nullptr ? extent_of(zone) : zones::Extent::above_all(), [&](std::uint32_t number) {
+  members.remove_below(bounds == nullptr ? zone.extent() : zones::Extent::above_all(), [&](std::uint32_t number) {
     if (!is_below(number, zone, bounds) || is_protected(number)) return false;
     cover(number, discrete);
     return true;
@@ -135,10 +140,10 @@ void PassedList::thin_out(std::uint32_t discrete, ZoneView zone, const ClockBoun
   chain_bytes_ += members.bytes();
 }
 
-bool PassedList::holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const {
+bool PassedList::holds(std::uint32_t head, Measured& zone, std::uint32_t zone_number) const {
   if (is_long(head))
     return chain(head).any_above(
-        extent_of(zone), [&](std::uint32_t number) { return zone_of(number) == zone_number; }, examined_);
+        zone.extent(), [&](std::uint32_t number) { return zone_of(number) == zone_number; }, examined_);
   for (std::uint32_t number = head; number != no_node; number = next(number))
     if (zone_of(number) == zone_number) return true;
   return false;
@@ -164,17 +169,20 @@ void PassedList::fit_scale(const Antichain& members) {
   if (scale_.fit(numbers, extent_of)) measure_anew();
 }
 
-void PassedList::add_to(Antichain& members, std::uint32_t number, ZoneView zone) {
-  const zones::Raw largest_entry = zones_.operations(zone.dimension).largest_entry(zone.data, zone.dimension);
-  if (scale_.admit(largest_entry)) measure_anew();
+void PassedList::add_to(Antichain& members, std::uint32_t number, Measured& zone) {
+  const ZoneView view = zone;
+  if (scale_.admit(zones_.operations(view.dimension).largest_entry(view.data, view.dimension))) {
+    measure_anew();
+    zone.forget_extent();
+  }
   chain_bytes_ -= members.bytes();
-  members.add(extent_of(zone), number, first_waiting_,
+  members.add(zone.extent(), number, first_waiting_,
               [this](std::uint32_t other) { return extent_of(this->zone(other, buffer_)); });
   chain_bytes_ += members.bytes();
   if (scale_.is_due() && members.size() >= FittedScale::sample) fit_scale(members);
 }
 
-void PassedList::append(std::uint32_t discrete, std::uint32_t number, ZoneView zone) {
+void PassedList::append(std::uint32_t discrete, std::uint32_t number, Measured& zone) {
   std::uint32_t& head = this->head(discrete);
   if (!is_long(head)) {
     std::size_t length = 0;
@@ -190,7 +198,8 @@ void PassedList::append(std::uint32_t discrete, std::uint32_t number, ZoneView z
     head = static_cast<std::uint32_t>(chains_.size()) | mark;
     chain_bytes_ += chains_.emplace_back().bytes();
     for (auto member = members.rbegin(); member != members.rend(); ++member) {
-      add_to(chains_.back(), *member, this->zone(*member, buffer));
+      Measured other(*this, this->zone(*member, buffer));
+      add_to(chains_.back(), *member, other);
       entry(*member).link = discrete | mark;
     }
   }
@@ -199,17 +208,27 @@ void PassedList::append(std::uint32_t discrete, std::uint32_t number, ZoneView z
 
 std::uint32_t PassedList::add(std::uint32_t discrete, ZoneView zone, std::uint32_t parent, bool subsumption,
                               const ClockBounds* bounds) {
-  if (subsumption) return covers(discrete, zone, bounds) ? no_node : add_uncovered(discrete, zone, parent, bounds);
+  Measured measured(*this, zone);
+  if (subsumption) {
+    const bool covered = coverer(discrete, measured, bounds) != no_node;
+    return covered ? no_node : add_uncovered(discrete, measured, parent, bounds);
+  }
   covered_last_.clear();
   const std::uint32_t zone_number = zones_.intern(zone);
-  if (holds(head(discrete), zone, zone_number)) {
+  if (holds(head(discrete), measured, zone_number)) {
     zones_.release(zone_number);
     return no_node;
   }
-  return append_node(discrete, zone_number, parent, zone);
+  return append_node(discrete, zone_number, parent, measured);
 }
 
 std::uint32_t PassedList::add_uncovered(std::uint32_t discrete, ZoneView zone, std::uint32_t parent,
+                                        const ClockBounds* bounds) {
+  Measured measured(*this, zone);
+  return add_uncovered(discrete, measured, parent, bounds);
+}
+
+std::uint32_t PassedList::add_uncovered(std::uint32_t discrete, Measured& zone, std::uint32_t parent,
                                         const ClockBounds* bounds) {
   covered_last_.clear();
   thin_out(discrete, zone, bounds);
@@ -217,7 +236,7 @@ std::uint32_t PassedList::add_uncovered(std::uint32_t discrete, ZoneView zone, s
 }
 
 std::uint32_t PassedList::append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent,
-                                      ZoneView zone) {
+                                      Measured& zone) {
   const std::uint32_t fresh = nodes_.append();
   if (((fresh | discrete | zone_number) & mark) != 0) throw std::length_error("more states than node numbers");
   entry(fresh) = {discrete | mark, zone_number};

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "program/program.hpp"
@@ -27,6 +28,8 @@ struct StoreOptions {
   std::size_t chunk_words = 8;  // of the parts in which large discrete states are held; 0: in one
   // From how many zones on their rows are held once each, if that takes less memory; 0: they always are.
   std::uint32_t rows_after = 1024;
+  // The same of zones in reduced form, if that takes far less memory and there are neither few nor many clocks.
+  std::uint32_t reduced_after = 1024;
 };
 
 class PassedList {
@@ -124,6 +127,24 @@ class PassedList {
     std::uint32_t zone;  // of a covered node with the mark: if its zone may be gone, what else fits of the hash of that
   };
 
+  // A zone that is looked up or added, and its extent, which is summed up once.
+  class Measured {
+   public:
+    Measured(const PassedList& states, ZoneView zone) : states_(states), zone_(zone) {}
+    operator ZoneView() const { return zone_; }
+    const zones::Extent& extent() {
+      if (!extent_) extent_ = states_.extent_of(zone_);
+      return *extent_;
+    }
+    // The scale has changed.
+    void forget_extent() { extent_.reset(); }
+
+   private:
+    const PassedList& states_;
+    ZoneView zone_;
+    std::optional<zones::Extent> extent_;
+  };
+
   bool is_long(std::uint32_t head) const { return head != no_node && (head & mark) != 0; }
   Antichain& chain(std::uint32_t head) { return chains_[head & ~mark]; }
   const Antichain& chain(std::uint32_t head) const { return chains_[head & ~mark]; }
@@ -134,8 +155,9 @@ class PassedList {
     const std::uint32_t link = node(number).link;
     return (link & mark) != 0 ? no_node : link;
   }
+  std::uint32_t coverer(std::uint32_t discrete, Measured& zone, const zones::ClockBounds* bounds) const;
   // Removes the members of an antichain that the zone covers.
-  void thin_out(std::uint32_t discrete, ZoneView zone, const zones::ClockBounds* bounds);
+  void thin_out(std::uint32_t discrete, Measured& zone, const zones::ClockBounds* bounds);
   bool is_above(std::uint32_t number, ZoneView zone, const zones::ClockBounds* bounds) const {
     return zones_.covers(zone_of(number), zone, bounds);
   }
@@ -143,12 +165,14 @@ class PassedList {
     return zones_.is_covered(zone_of(number), zone, bounds);
   }
   void cover(std::uint32_t number, std::uint32_t discrete);
-  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent, ZoneView zone);
+  std::uint32_t append_node(std::uint32_t discrete, std::uint32_t zone_number, std::uint32_t parent, Measured& zone);
+  std::uint32_t add_uncovered(std::uint32_t discrete, Measured& zone, std::uint32_t parent,
+                              const zones::ClockBounds* bounds);
   bool is_protected(std::uint32_t number) const { return number - protected_.first < protected_.count; }
   // True if an antichain has a member with this zone, which has this number.
-  bool holds(std::uint32_t head, ZoneView zone, std::uint32_t zone_number) const;
-  void append(std::uint32_t discrete, std::uint32_t number, ZoneView zone);
-  void add_to(Antichain& members, std::uint32_t number, ZoneView zone);
+  bool holds(std::uint32_t head, Measured& zone, std::uint32_t zone_number) const;
+  void append(std::uint32_t discrete, std::uint32_t number, Measured& zone);
+  void add_to(Antichain& members, std::uint32_t number, Measured& zone);
   zones::Extent extent_of(ZoneView zone) const {
     return zones_.operations(zone.dimension).extent(zone.data, zone.dimension, scale_.scale());
   }

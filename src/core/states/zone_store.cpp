@@ -3,11 +3,11 @@
 namespace tachk::states {
 
 ZoneStore::ZoneStore(const zones::ZoneOperations& operations, int dimension,
-                     const std::vector<zones::ZoneOperations>& smaller, std::uint32_t rows_after)
+                     const std::vector<zones::ZoneOperations>& smaller, const rows::Forms& forms)
     : has_one_(smaller.empty()), uses_(sizeof(Use)), places_(sizeof(Place)) {
   for (std::size_t each = 0; each < smaller.size(); ++each)
-    by_dimension_.emplace_back(smaller[each], static_cast<int>(each), rows_after, small_block);
-  by_dimension_.emplace_back(operations, dimension, rows_after, small_block);
+    by_dimension_.emplace_back(smaller[each], static_cast<int>(each), forms, small_block);
+  by_dimension_.emplace_back(operations, dimension, forms, small_block);
 }
 
 std::uint32_t ZoneStore::add(ZoneView zone) {

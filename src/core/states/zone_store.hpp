@@ -19,10 +19,9 @@ struct ZoneView {
 
 class ZoneStore {
  public:
-  // `smaller`: the operations for each dimension below this one; empty if there are no such zones. `rows_after`: as of
-  // ZonesOfDimension.
+  // `smaller`: the operations for each dimension below this one; empty if there are no such zones.
   ZoneStore(const zones::ZoneOperations& operations, int dimension, const std::vector<zones::ZoneOperations>& smaller,
-            std::uint32_t rows_after);
+            const rows::Forms& forms);
 
   const zones::ZoneOperations& operations(int dimension) const { return of_dimension(dimension).operations(); }
 

@@ -32,6 +32,19 @@ struct ZoneRowOperations {
   void (*assemble)(ZoneRef target, ZoneRows zone, int dimension);
 };
 
+// Zones in reduced form: records of the constraints from which the others follow, of differing lengths.
+struct ZoneReductions {
+  std::size_t most_bytes;  // of a record; 0: there is no such form of zones of so many clocks
+  // Writes the record of a zone, and returns how many bytes it has. Equal zones have equal records.
+  std::size_t (*reduce)(std::byte* target, ConstZoneRef zone, int dimension);
+  void (*restore)(ZoneRef target, const std::byte* record, int dimension);
+  bool (*include)(const std::byte* outer, ConstZoneRef inner, int dimension);
+  // False only if the zone itself does not: exact answers need what follows from the record.
+  bool (*may_lie_in)(const std::byte* inner, ConstZoneRef outer, int dimension);
+  bool (*may_simulate)(const std::byte* outer, ConstZoneRef inner, int dimension, const ClockBounds& bounds);
+  bool (*may_be_simulated)(const std::byte* inner, ConstZoneRef outer, int dimension, const ClockBounds& bounds);
+};
+
 struct ZoneOperations {
   const char* name;
   int stride;         // entries in a row
@@ -102,6 +115,7 @@ struct ZoneOperations {
   // Writes one value into a row of bounds.
   void (*set_bound)(BoundRow row, int clock, Raw value);
   ZoneRowOperations rows;
+  ZoneReductions reductions;
 };
 
 inline constexpr Raw not_compared = -1;  // the bound of a clock that nothing compares: minus infinity

@@ -12,6 +12,7 @@
 #endif
 
 #include "zones/contract.hpp"
+#include "zones/reduced.hpp"
 #include "zones/zone.hpp"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -66,6 +67,12 @@ struct Kernel {
   static Vector minimum(Vector a, Vector b) { return a < b ? a : b; }
   static Vector maximum(Vector a, Vector b) { return a > b ? a : b; }
   static bool any(Vector mask) {
+#if defined(__AVX2__)
+    if constexpr (vector_bytes == 32) {
+      const __m256i bits = reinterpret_cast<const __m256i&>(mask);
+      return _mm256_testz_si256(bits, bits) == 0;
+    }
+#endif
     const Words words = reinterpret_cast<const Words&>(mask);
     std::uint64_t all_words = words[0] | words[1];
     if constexpr (vector_bytes == 32) all_words |= words[2] | words[3];
@@ -748,16 +755,25 @@ struct Kernel {
   static std::uint64_t hash(ConstZoneRef zone, int dimension) {
     const int number = vectors(dimension) * dimension;
     const Words* words = reinterpret_cast<const Words*>(zone.bytes);
-    Words sum;
+    Words start;
     if constexpr (vector_bytes == 32)
-      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
+      start = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu, 0x165667B19E3779F9u, 0x27D4EB2F165667C5u};
     else
-      sum = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu};
-    for (int n = 0; n < number; ++n) {
-      sum ^= words[n];
+      start = Words{0x9E3779B97F4A7C15u, 0xC2B2AE3D27D4EB4Fu};
+    const auto mixed = [](Words sum, Words word) {
+      sum ^= word;
       sum += (sum << 21) + (sum << 3);
-      sum ^= sum >> 29;
-    }
+      return sum ^ (sum >> 29);
+    };
+    // Parts that do not wait for each other.
+    constexpr int parts = 4;
+    Words sums[parts] = {start, start + 1, start + 2, start + 3};
+    int n = 0;
+    for (; n + parts <= number; n += parts)
+      for (int part = 0; part < parts; ++part) sums[part] = mixed(sums[part], words[n + part]);
+    for (; n < number; ++n) sums[0] = mixed(sums[0], words[n]);
+    Words sum = sums[0];
+    for (int part = 1; part < parts; ++part) sum = mixed(sum, sums[part]);
     std::uint64_t result = 0;
     for (int lane = 0; lane < vector_bytes / 8; ++lane) {
       result = (result ^ sum[lane]) * 0x9E3779B97F4A7C15u;
@@ -775,6 +791,8 @@ using Operations = CheckedKernel<T, Stride>;
 template <class T, int Stride>
 using Operations = Kernel<T, Stride>;
 #endif
+
+#include "zones/reduced_kernel.hpp"
 
 template <class T, int Stride>
 struct Table {
@@ -821,6 +839,8 @@ struct Table {
     table.rows = {K::equal,      K::template includes<ZoneRows, ConstZoneRef>,
                   lie_in,        K::template simulates<ZoneRows, ConstZoneRef>,
                   are_simulated, K::assemble};
+    // Not for short rows, which take little memory as it is, nor for long ones, as restoring zones takes long there.
+    if constexpr (Stride >= 16 && sizeof(T) < 8) table.reductions = Reduction<T, Stride>::table();
     return table;
   }
 };
@@ -843,7 +863,9 @@ inline ZoneOperations operations(int dimension, Width width) {
       TACHK_ROWS(std::int32_t, "int32", 16)
       TACHK_ROWS(std::int32_t, "int32", 24)
       TACHK_ROWS(std::int32_t, "int32", 32)
+      TACHK_ROWS(std::int32_t, "int32", 40)
       TACHK_ROWS(std::int32_t, "int32", 48)
+      TACHK_ROWS(std::int32_t, "int32", 56)
       TACHK_ROWS(std::int32_t, "int32", 64)
       return Table<std::int32_t, 0>::make(TACHK_INSTRUCTION_NAME " int32", dimension);
     case Width::widest:

@@ -135,6 +135,8 @@ class Options:
         chunk_words: large discrete states are held in parts of so many 64-bit words, each part once; 0: in one.
         rows_after: from how many different zones on their rows are held once each, if that takes less memory; 0:
             always.
+        reduced_after: the same of zones in reduced form, the constraints from which the others follow, where a zone
+            has 8 to 63 clocks and bounds of 16 or 32 bits, if that takes far less memory.
         local_times: search over local times, which saves the orders in which independent transitions happen. Only where
             that is sound, and not with `shortest` or a limit on depth.
         proof_after: for `A<>` and `E[]`: how many states are explored depth first before a search breadth first looks
@@ -167,6 +169,7 @@ class Options:
     partial_order: bool = False
     chunk_words: int = 8
     rows_after: int = 1024
+    reduced_after: int = 1024
     proof_after: int = 2000
     processes: int = 1
     without: frozenset[str] = frozenset()
@@ -200,6 +203,7 @@ class Options:
         _check_range("seed", self.seed, 0, LARGEST_SEED)
         _check_range("chunk_words", self.chunk_words, 0, 2**16)
         _check_range("rows_after", self.rows_after, 0, 2**32 - 1)
+        _check_range("reduced_after", self.reduced_after, 0, 2**32 - 1)
         _check_range("proof_after", self.proof_after, 0, NEVER)
         _check_range("pack_clocks", self.pack_clocks, 0, 2**32 - 1)
         _check_range("processes", self.processes, 0, MOST_PROCESSES)

@@ -177,15 +177,15 @@ void draw(Random& random, const ZoneOperations& operations, int dimension, int r
   } while (true);
 }
 
-void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool subsumption,
-                std::uint32_t rows_after) {
+void test_zones(int dimension, Width width, int range, std::uint32_t steps, bool subsumption, std::uint32_t rows_after,
+                std::uint32_t reduced_after = UINT32_MAX) {
   Random random{std::mt19937(static_cast<std::uint32_t>(dimension + range))};
   Program program;
   program.clocks = dimension - 1;
   program.state_slots = 1;
   program.slots = {Slot{0, 1, 0, false}};
   const ZoneOperations operations = select_operations(dimension, width, true);
-  PassedList passed(program, operations, {.rows_after = rows_after});
+  PassedList passed(program, operations, {.rows_after = rows_after, .reduced_after = reduced_after});
   const std::int32_t slots[] = {0};
   passed.announce(slots, SlotSet::all());
   const std::uint32_t discrete = passed.locate();
@@ -252,5 +252,8 @@ int main() {
     test_zones(dimension, Width::wide, 30000, 2500, true, 100);
     test_zones(dimension, Width::wide, 300, 1500, false, 1024);
   }
+  test_zones(9, Width::narrow, 390, 2500, true, 0, 0);
+  test_zones(9, Width::wide, 30000, 2500, true, 200, 20);
+  test_zones(17, Width::wide, 300, 500, false, 1024, 0);
   std::puts("long antichains are those of a plain list");
 }

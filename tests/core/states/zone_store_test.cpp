@@ -71,13 +71,14 @@ void check_answers(const ZoneStore& store, const Held& held, const Held& other, 
 }
 
 // Zones of some dimensions come, with the same ones again among them, and go.
-void test_zones_come_and_go(const std::vector<int>& dimensions, Width width, bool vector, std::uint32_t rows_after) {
+void test_zones_come_and_go(const std::vector<int>& dimensions, Width width, bool vector, std::uint32_t rows_after,
+                            std::uint32_t reduced_after = UINT32_MAX) {
   Random random{std::mt19937(rows_after)};
   const int largest = dimensions.back();
   std::vector<ZoneOperations> smaller;
   for (int n = 0; dimensions.size() > 1 && n < largest; ++n) smaller.push_back(select_operations(n, width, vector));
   const ZoneOperations whole = select_operations(largest, width, vector);
-  ZoneStore store(whole, largest, smaller, rows_after);
+  ZoneStore store(whole, largest, smaller, {rows_after, reduced_after});
   std::vector<Held> all;
   ZoneBuffer zone(whole);
   for (int step = 0; step < 1500; ++step) {
@@ -106,7 +107,7 @@ void test_zones_come_and_go(const std::vector<int>& dimensions, Width width, boo
 void test_the_way_that_takes_less_memory() {
   constexpr int dimension = 6;
   const ZoneOperations operations = select_operations(dimension, Width::wide, true);
-  ZonesOfDimension zones(operations, dimension, 64, std::size_t{1} << 10);
+  ZonesOfDimension zones(operations, dimension, {64, UINT32_MAX}, std::size_t{1} << 10);
   Random random{std::mt19937(1)};
   ZoneBuffer zone(operations);
   ZoneBuffer buffer(operations);
@@ -156,7 +157,7 @@ void test_rows_are_given_back() {
 void test_a_zone_that_goes_gives_its_rows_back() {
   constexpr int dimension = 6;
   const ZoneOperations operations = select_operations(dimension, Width::wide, true);
-  ZonesOfDimension zones(operations, dimension, 0, std::size_t{1} << 10);
+  ZonesOfDimension zones(operations, dimension, {0, UINT32_MAX}, std::size_t{1} << 10);
   Random random{std::mt19937(1)};
   ZoneBuffer zone(operations);
   std::size_t bytes = 0;
@@ -168,9 +169,47 @@ void test_a_zone_that_goes_gives_its_rows_back() {
   CHECK(zones.bytes() < 2 * bytes);
 }
 
+// Zones are held in reduced form where that takes at most half the memory of their rows, and records are used again.
+void test_reduced_form_where_it_is_small() {
+  constexpr int dimension = 12;
+  const ZoneOperations operations = select_operations(dimension, Width::wide, true);
+  for (const bool alike : {false, true}) {
+    ZonesOfDimension zones(operations, dimension, {64, 64}, std::size_t{1} << 10);
+    ZonesOfDimension by_rows(operations, dimension, {64, UINT32_MAX}, std::size_t{1} << 10);
+    Random random{std::mt19937(1)};
+    ZoneBuffer zone(operations);
+    ZoneBuffer buffer(operations);
+    const auto draw_next = [&](std::uint32_t record) {
+      if (alike) random.engine.seed(record % 16);
+      draw(random, operations, dimension, 1 << 20, alike ? 4 * dimension : 6, zone.get());
+    };
+    for (std::uint32_t record = 0; record < 4000; ++record) {
+      draw_next(record);
+      CHECK(zones.add(zone.get()) == record);
+      CHECK(by_rows.add(zone.get()) == record);
+      CHECK(same(operations, zones.read(record, buffer.get()), zone.get()));
+    }
+    CHECK(zones.in_reduced_form() == !alike);
+    CHECK(alike || 2 * zones.bytes() < by_rows.bytes());
+    const std::size_t bytes = zones.bytes();
+    for (std::uint32_t record = 0; record < 4000; ++record) zones.remove(record);
+    for (std::uint32_t record = 0; record < 4000; ++record) {
+      draw_next(record);
+      CHECK(same(operations, zones.read(zones.add(zone.get()), buffer.get()), zone.get()));
+    }
+    CHECK(zones.bytes() < bytes + bytes / 2);
+  }
+}
+
 }  // namespace
 
 int main() {
+  test_reduced_form_where_it_is_small();
+  for (const std::uint32_t reduced_after : {0u, 64u}) {
+    test_zones_come_and_go({18, 25}, Width::narrow, true, UINT32_MAX, reduced_after);
+    test_zones_come_and_go({12}, Width::wide, true, 0, reduced_after);
+    test_zones_come_and_go({11}, Width::wide, false, UINT32_MAX, reduced_after);
+  }
   for (const std::uint32_t rows_after : {0u, 1u, 64u, UINT32_MAX}) {
     test_zones_come_and_go({4}, Width::narrow, true, rows_after);
     test_zones_come_and_go({7}, Width::wide, false, rows_after);

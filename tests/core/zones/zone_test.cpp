@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "check.hpp"
+#include "zones/reduced.hpp"
 #include "zones/zone_buffer.hpp"
 
 namespace {
@@ -208,6 +209,34 @@ void check_order(const Zone& zone, int moved, std::mt19937& random) {
   }
 }
 
+// A zone in reduced form is the zone, and what is said of it at once is true.
+void check_reduced(const Zone& zone, const Zone& other, std::mt19937& random, Raw constant) {
+  const tachk::zones::ZoneReductions& reductions = zone.ops.reductions;
+  if (reductions.most_bytes == 0) return;
+  const int n = zone.n;
+  std::vector<std::byte> record(reductions.most_bytes);
+  CHECK(reductions.reduce(record.data(), zone.data, n) ==
+        tachk::zones::ReducedHeader::of(record.data()).record_bytes());
+  const Zone restored(other);
+  reductions.restore(restored.data, record.data(), n);
+  CHECK(std::equal(zone.data.bytes, zone.data.bytes + zone.ops.bytes, restored.data.bytes));
+  CHECK(reductions.include(record.data(), other.data, n) == zone.ops.includes(zone.data, other.data, n));
+  if (zone.ops.includes(other.data, zone.data, n)) CHECK(reductions.may_lie_in(record.data(), other.data, n));
+  std::vector<Raw> lower(static_cast<std::size_t>(n), -1);
+  std::vector<Raw> upper(static_cast<std::size_t>(n), -1);
+  for (std::size_t c = 1; c < static_cast<std::size_t>(n); ++c) {
+    lower[c] = static_cast<Raw>(random()) % (constant + 2) - 1;
+    upper[c] = static_cast<Raw>(random()) % (constant + 2) - 1;
+  }
+  const tachk::zones::BoundRowBuffer l = bound_row(zone.ops, n, lower);
+  const tachk::zones::BoundRowBuffer u = bound_row(zone.ops, n, upper);
+  const tachk::zones::ClockBounds bounds{l.get(), u.get()};
+  if (zone.ops.simulates(zone.data, other.data, n, bounds))
+    CHECK(reductions.may_simulate(record.data(), other.data, n, bounds));
+  if (zone.ops.simulates(other.data, zone.data, n, bounds))
+    CHECK(reductions.may_be_simulated(record.data(), other.data, n, bounds));
+}
+
 void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int steps, Raw constant) {
   std::mt19937 random(seed);
   const auto below = [&](Raw limit) { return static_cast<int>(static_cast<Raw>(random()) % limit); };
@@ -330,6 +359,8 @@ void walk(int n, tachk::zones::Width width, bool vector, std::uint32_t seed, int
     if (same) CHECK(ops.hash(zone.data, n) == ops.hash(other_zone.data, n));
     if (same) CHECK(extent == other_extent);
     CHECK(same == std::equal(zone.data.bytes, zone.data.bytes + ops.bytes, other_zone.data.bytes));
+    if (step % 6 == 0) check_reduced(zone, other_zone, random, constant);
+    if (step % 6 == 3) check_reduced(other_zone, zone, random, constant);
     check_parts(zone, width, vector, static_cast<std::uint32_t>(random()));
     check_parts(zone, width, vector, static_cast<std::uint32_t>(random() | random()));
     check_order(zone, n == 1 ? 0 : below(n - 1), random);
