@@ -136,7 +136,7 @@ def test_clients_and_agent_are_apart() -> None:
         TimestampUncertainty.of(Fraction(5), Fraction(20)),
     )
     components = components_of(model.network, mapping, streams)
-    assert sorted(len(component.processes) for component in components) == [5, 5, 12]
+    assert sorted(len(component.processes) for component in components) == [5, 5, 16]
     cut = separated(streams, components)
     assert cut is not None
     part_of = {number: component for component in components for number in component.streams}

@@ -67,11 +67,11 @@ def taken(name: str, late: int = 5, **others: object) -> list[tuple[str, str, st
     [
         (
             "best_effort_losses",
-            [("BestEffortPublisher", "Writing", "Ready", 0), ("ProxySubscriber", "Pushing", "Pushing", 1)],
+            [("BestEffortPublisher", "Writing", "Ready", 0), ("ProxySubscriber", "Pushing", "Pushing", 3)],
         ),
         ("best_effort_overtaken", [("BestEffortProxy", "Delivering", "Waiting", 0)]),
         ("best_effort_batches", [("BestEffortProxy", "Delivering", "Delivering", 0)]),
-        ("best_effort_mixed", [("ProxySubscriber", "Pushing", "Pushing", 1)]),
+        ("best_effort_mixed", [("ProxySubscriber", "Pushing", "Pushing", 3)]),
         ("quiet_topic", [("Agent", "FirstRound", "Dead", 0), ("Agent", "Dead", "FirstRound", 0)]),
         ("created_again_dead", [("Agent", "Dead", "Quiet", 0)]),
         ("window_opens", [("ProxySubscriber", "Repairing", "Pushing", 0)]),

@@ -108,7 +108,7 @@ def created(kind: str, made: str, form: str, description: str) -> SubmessageEven
 
 
 def read(made: str) -> SubmessageEvent:
-    fields = {"object": made, "max_samples": 65535, "max_elapsed_seconds": 0}
+    fields = {"object": made, "max_samples": 65535, "max_elapsed_seconds": 0, "max_bytes_per_second": 0}
     return replace(_EVENT, kind=SubmessageKind.READ_DATA, fields=fields)
 
 
