@@ -104,7 +104,7 @@ struct Reduction {
     return !K::any(bounded);
   }
 
-  // The clocks that do not stand for themselves. An equality is added for each.
+  // The clocks of each class but its first one. For each, `found` gets the equality with that first clock.
   static std::uint64_t find_equal(ConstZoneRef zone, int dimension, std::uint64_t bounded, Found& found) {
     std::uint64_t equal = 0;
     const T* first = K::row(zone, dimension, 0);

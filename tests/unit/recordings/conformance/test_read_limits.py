@@ -3,52 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
-from pathlib import Path
 
 import pytest
 
 import tachk
-from tachk.model.timestamp_uncertainty import TimestampUncertainty
-from tachk.recordings.conformance.conform import conform
-from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
 from tachk.recordings.conformance.events import EventLog
-from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.conformance.payloads import MessageContents, UnknownContentError
 from tachk.xrce.transmission import ReadTransmission
 from tachk.xrce.wire import SubmessageKind
+from tests.support.recorded_automata import CAPTURES, MILLISECOND, capture, is_run_of
 
 pytestmark = pytest.mark.drawn
 
-ROOT = Path(__file__).parents[4]
-CAPTURES = ROOT / "tests/data/captures/unusual"
-MILLISECOND = Fraction(1, 10**6)
-SETTINGS = {
-    "MESSAGES": 64,
-    "EXACT_BITMAPS": True,
-    "CLIENT_JITTER": 5,
-    "AGENT_JITTER": 5,
-    "MISSED_ROUNDS": 1,
-    "BEST_EFFORT_STREAMS": True,
-    "READER_DELAY": 5,
-    "SMALLEST_WORD": -(2**27),
-}
-
 
 def is_run(recording: EventLog, **constants: int) -> bool | None:
-    model = tachk.load(ROOT / "models/micro_xrce_dds/recorded.ta", **{**SETTINGS, **recording.constants, **constants})
-    assert model.loaded.recording is not None
-    mapping, names = model.loaded.recording, constants_of(model.loaded)
-    uncertainty = TimestampUncertainty.of(Fraction(5), Fraction(20))
-    limits = tachk.Limits(states=50_000)
-    return conform(
-        model.network, mapping, recording, names, uncertainty, limits=limits, run=False, explain=False
-    ).accepted
-
-
-def capture(name: str) -> EventLog:
-    return read_capture(CAPTURES / f"{name}.pcap")
+    return is_run_of(recording, 20, 50_000, **{**recording.constants, **constants})
 
 
 def without(recording: EventLog, gone: list[int]) -> EventLog:

@@ -3,54 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
-from pathlib import Path
 
 import pytest
 
 import tachk
 from tachk.base.diagnostics.diagnostic import UsageError
-from tachk.model.timestamp_uncertainty import TimestampUncertainty
-from tachk.recordings.conformance.conform import conform
-from tachk.recordings.conformance.conform_file import constants_of
 from tachk.recordings.conformance.edits import Edit, edited
 from tachk.recordings.conformance.events import EventLog
-from tachk.xrce.conformance.packet_events import read_capture
 from tachk.xrce.events import SubmessageEvent
 from tachk.xrce.objects import Objects
 from tachk.xrce.wire import SubmessageKind
+from tests.support.recorded_automata import CAPTURES, MILLISECOND, MODEL, capture, is_run_of
 
-ROOT = Path(__file__).parents[4]
-MODELS = ROOT / "models/micro_xrce_dds"
-CAPTURES = ROOT / "tests/data/captures/unusual"
-MILLISECOND = Fraction(1, 10**6)
-SETTINGS = {
-    "MESSAGES": 64,
-    "EXACT_BITMAPS": True,
-    "CLIENT_JITTER": 5,
-    "AGENT_JITTER": 5,
-    "MISSED_ROUNDS": 1,
-    "BEST_EFFORT_STREAMS": True,
-    "READER_DELAY": 5,
-    "SMALLEST_WORD": -(2**27),
-    "TOPICS": 2,
-}
 NAMES = {"two_topics": {"CLIENTS": 4, "READERS": 2}, "two_readers": {"CLIENTS": 2, "READERS": 2}}
 
 
 def is_run(recording: EventLog, name: str, late: int = 50) -> bool | None:
-    model = tachk.load(MODELS / "recorded.ta", **SETTINGS | NAMES[name])
-    assert model.loaded.recording is not None
-    uncertainty = TimestampUncertainty.of(Fraction(5), Fraction(late))
-    limits = tachk.Limits(states=100_000)
-    mapping, constants = model.loaded.recording, constants_of(model.loaded)
-    return conform(
-        model.network, mapping, recording, constants, uncertainty, limits=limits, run=False, explain=False
-    ).accepted
-
-
-def capture(name: str) -> EventLog:
-    return read_capture(CAPTURES / f"{name}.pcap")
+    return is_run_of(recording, late, 100_000, TOPICS=2, **NAMES[name])
 
 
 def sent_to_clients(recording: EventLog, kind: str) -> list[int]:
@@ -93,7 +62,7 @@ def test_no_other_sample_and_none_of_another_topic_and_none_twice(name: str, kin
 
 def test_a_model_with_one_topic_says_what_to_set() -> None:
     with pytest.raises(UsageError, match=r"has 2 topics, .* but the model 1") as refused:
-        tachk.conform(MODELS / "client_3_0.ta", CAPTURES / "two_readers.pcap")
+        tachk.conform(MODEL.with_name("client_3_0.ta"), CAPTURES / "two_readers.pcap")
     assert refused.value.help == "set -D TOPICS=2"
     assert tachk.measure(CAPTURES / "two_readers.pcap").recorded_definitions().items() >= {
         ("CLIENTS", 2),
